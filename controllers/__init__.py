@@ -1,0 +1,1 @@
+"""One module per run-time controller, feed-forward, filter or trajectory generator."""

@@ -1,0 +1,1 @@
+"""Offline design: plain parameters and arrays in, run-time parameters out."""

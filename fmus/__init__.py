@@ -1,0 +1,1 @@
+"""How a model becomes an FMU; knows nothing of plants or controllers."""

@@ -1,0 +1,1 @@
+"""Co-simulation of FMU files at exact mixed rates."""

@@ -1,0 +1,51 @@
+"""Every way a run can be refused or fail; the only errors a user meets.
+
+A message names file, component, variable and time as far as they apply, what
+was expected, and what to do.  ``exit_code`` is what the command returns.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class FeedDriveError(Exception):
+    """Base of all errors a user can cause or meet."""
+
+    exit_code = 2
+
+
+class ScenarioError(FeedDriveError):
+    """A scenario, override or map does not say something that can be run."""
+
+
+class WiringError(FeedDriveError):
+    """Ports, units or loops of a composition do not fit."""
+
+
+class ScheduleError(FeedDriveError):
+    """Periods, offsets or the stop time cannot be met exactly."""
+
+
+class FmuError(FeedDriveError):
+    """An FMU file is missing, damaged, unsafe or not usable here."""
+
+
+class DesignError(FeedDriveError):
+    """An offline design step could not be carried out."""
+
+
+class SimulationError(FeedDriveError):
+    """A run failed after it had begun; what was recorded stays readable."""
+
+    exit_code = 1
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a remedy for a misspelt name: the nearest, or all there are."""
+    names = sorted(known)
+    if near := get_close_matches(name, names, n=3, cutoff=0.5):
+        return f"did you mean {' or '.join(map(repr, near))}?"
+    if not names:
+        return "there are none."
+    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"there are: {shown}."

@@ -1,0 +1,122 @@
+"""What was recorded: one table per row rate, with units and provenance."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import FmuError, did_you_mean
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One recorded variable: ``time`` (s) and ``values``, both (n,), and its unit."""
+
+    name: str
+    time: NDArray[np.float64]
+    values: NDArray[np.float64]
+    unit: str
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype=dtype, copy=copy)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long a run took: ``wall_s`` in all, instants executed, seconds simulated."""
+
+    wall_s: float
+    instants: int
+    simulated_s: float
+
+    @property
+    def real_time_factor(self) -> float:
+        return self.simulated_s / self.wall_s if self.wall_s > 0 else float("inf")
+
+    @property
+    def us_per_instant(self) -> float:
+        return 1e6 * self.wall_s / self.instants if self.instants else 0.0
+
+
+class Result(Mapping[str, Signal]):
+    """Recorded signals by name, read from the files of a run as they are asked for.
+
+    ``result["plant.x_2"]`` is a ``Signal``.  ``folder`` holds the tables;
+    ``timing`` is None when a result is opened again later.
+    """
+
+    def __init__(self, folder: Path, timing: Timing | None = None) -> None:
+        self.folder = Path(folder)
+        self.timing = timing
+        self._columns = _columns(self.folder)
+
+    def __getitem__(self, name: str) -> Signal:
+        try:
+            file = self._columns[name]
+        except KeyError:
+            raise KeyError(
+                f"{name} was not recorded; {did_you_mean(name, self._columns)}"
+            ) from None
+        table = _read(file, ["time", name])
+        unit = table.schema.field(name).metadata[b"unit"].decode()
+        time, values = (table[c].to_numpy() for c in ("time", name))
+        return Signal(name, time, values, unit)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def to_pandas(self) -> "dict[str, pd.DataFrame]":
+        """Return one data frame per row rate, indexed by time (needs pandas)."""
+        files = dict.fromkeys(self._columns.values())
+        return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
+
+
+def _columns(folder: Path) -> dict[str, Path]:
+    """Return which file holds each recorded variable; Parquet before Arrow."""
+    tables = folder / "result"
+    files = sorted(tables.glob("*.parquet")) or sorted(tables.glob("*.arrows"))
+    if not files:
+        raise FmuError(f"{folder}: no result/*.parquet or result/*.arrows to read")
+    columns = {}
+    for file in files:
+        for name in _schema(file).names:
+            if name != "time":
+                columns[name] = file
+    return columns
+
+
+def _schema(file: Path) -> Any:
+    import pyarrow.parquet
+
+    if file.suffix == ".parquet":
+        return pyarrow.parquet.read_schema(file)
+    with pyarrow.ipc.open_stream(file) as reader:
+        return reader.schema
+
+
+def _read(file: Path, columns: list[str] | None = None) -> Any:
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    if file.suffix == ".parquet":
+        return pyarrow.parquet.read_table(file, columns=columns)
+    batches = []
+    with pyarrow.ipc.open_stream(file) as reader:
+        schema = reader.schema
+        with suppress(pa.ArrowInvalid):  # the last batch of a killed run may be cut
+            batches.extend(reader)
+    table = pa.Table.from_batches(batches, schema)
+    return table.select(columns) if columns else table

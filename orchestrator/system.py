@@ -1,0 +1,70 @@
+"""What is simulated: components, connections, rates.  Frozen data, no behaviour.
+
+A variable is written ``component.variable``; the component ends at the first
+dot, the rest is the FMU's own name (or the name its ``map`` gives it).
+All times are exact fractions of a second.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+Value: TypeAlias = float | bool | tuple[float, ...]
+Kind: TypeAlias = Literal["continuous", "sampled"]
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """A foreign FMU's variable under our name.
+
+    In the direction of the signal: what reaches the FMU's input is
+    gain * ours + offset, what we read of its output is gain * theirs + offset.
+    ``unit`` is that of our side; without it the FMU's own unit is kept.
+    """
+
+    name: str
+    gain: float = 1.0
+    offset: float = 0.0
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class Component:
+    """One FMU instance and when it is stepped.
+
+    ``kind`` None means: as the FMU says, or continuous if it says nothing.
+    ``latency`` (whole samples) is for sampled components only.
+    """
+
+    name: str
+    fmu: Path
+    period: Fraction
+    offset: Fraction = Fraction(0)
+    latency: int = 0
+    kind: Kind | None = None
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    start: Mapping[str, Value] = field(default_factory=dict)
+    map: Mapping[str, Mapped] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class System:
+    """A composition of FMUs over the closed interval [0, stop].
+
+    ``connections`` are keyed by the sink, so that no input is driven twice.
+    ``record`` gives the row period of every recorded variable.
+    """
+
+    name: str
+    stop: Fraction
+    components: Mapping[str, Component]
+    connections: Mapping[str, str]
+    record: Mapping[str, Fraction]
+
+
+def split_name(variable: str) -> tuple[str, str]:
+    """Split ``component.variable`` at its first dot."""
+    component, _, name = variable.partition(".")
+    return component, name

@@ -1,0 +1,1 @@
+"""One module per plant; process loads and disturbances are plants too."""
