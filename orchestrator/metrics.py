@@ -1,0 +1,248 @@
+"""Figures of a recorded run, with their units.
+
+Signals are compared row by row at equal times; signals recorded at different
+times are refused, never interpolated.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.units import UnitError
+from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.quantity import Quantity, converter, product_unit, quotient_unit
+from orchestrator.result import Signal
+from orchestrator.scenario_metrics import (
+    ErrorMetric,
+    Expectation,
+    Factor,
+    MetricSpec,
+    PlainMetric,
+    SettlingMetric,
+    SineMetric,
+    SpectrumMetric,
+)
+
+Array: TypeAlias = NDArray[np.float64]
+Parameters: TypeAlias = Callable[[str], Quantity]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One expectation: the figure it is about, whether it is met, in words."""
+
+    figure: str
+    met: bool
+    text: str
+
+
+def evaluate(
+    specs: Mapping[str, MetricSpec],
+    signals: Mapping[str, Signal],
+    parameter: Parameters,
+) -> dict[str, Quantity]:
+    """Return all figures ``<metric>.<figure>`` of a run.
+
+    ``parameter`` returns the value and unit of a ``component.parameter``.
+
+    Raises:
+        ScenarioError: a signal is not recorded, grids or units do not fit, a
+            window holds no row.
+    """
+    figures = {}
+    for name, spec in specs.items():
+        try:
+            for key, value in _figures(spec, signals, parameter).items():
+                figures[f"{name}.{key}"] = value
+        except (ScenarioError, UnitError) as error:
+            raise ScenarioError(f"metrics.{name}: {error}") from None
+    return figures
+
+
+def scaled(
+    spec: MetricSpec, signal: Signal, parameter: Parameters
+) -> tuple[Array, str]:
+    """Return a signal's values, shape (n,), in the unit of a metric, and that unit."""
+    scale, per = (_factor(f, parameter) for f in (spec.scale, spec.per))
+    if per.value == 0:
+        raise ScenarioError(f"per: {spec.per} is zero")
+    unit = quotient_unit(product_unit(signal.unit, scale.unit), per.unit)
+    values = signal.values * (scale.value / per.value)
+    if spec.unit is not None and spec.unit != unit:
+        values = converter(unit, spec.unit)(values)
+    return values, spec.unit or unit
+
+
+def _factor(factor: Factor, parameter: Parameters) -> Quantity:
+    return parameter(factor) if isinstance(factor, str) else Quantity(factor)
+
+
+def _figures(
+    spec: MetricSpec, signals: Mapping[str, Signal], parameter: Parameters
+) -> dict[str, Quantity]:
+    taken = {key: _recorded(name, signals) for key, name in spec.signals().items()}
+    of = taken["of"]
+    rows = _rows(spec, of)
+    time = of.time[rows]
+    values, unit = scaled(spec, of, parameter)
+    y = values[rows]
+    other = None
+    if (against := taken.get("against")) is not None:
+        _same_rows(of, against)
+        reference, reference_unit = scaled(spec, against, parameter)
+        other = converter(reference_unit, unit)(reference)[rows]
+    if isinstance(spec, ErrorMetric):
+        assert other is not None
+        return _of_error(other - y, unit)
+    if isinstance(spec, PlainMetric):
+        return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
+    if isinstance(spec, SettlingMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        return settling(time - start, y - spec.final, spec.band, unit)
+    frequency = _factor(spec.frequency_hz, parameter)
+    hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
+    if isinstance(spec, SpectrumMetric):
+        return spectrum_line(time, y, hertz, unit)
+    return _sine(spec, time, y, other, hertz, unit)
+
+
+_PLAIN: dict[str, Callable[[Array], float]] = {
+    "peak": lambda y: float(np.max(np.abs(y))),
+    "rms": lambda y: float(np.sqrt(np.mean(y**2))),
+    "mean": lambda y: float(np.mean(y)),
+    "max": lambda y: float(np.max(y)),
+    "min": lambda y: float(np.min(y)),
+    "final": lambda y: float(y[-1]),
+}
+
+
+def _of_error(e: Array, unit: str) -> dict[str, Quantity]:
+    kinds = ("peak", "rms", "mean")
+    return {kind: Quantity(_PLAIN[kind](e), unit) for kind in kinds}
+
+
+def settling(time: Array, y: Array, band: float, unit: str) -> dict[str, Quantity]:
+    """Return peak, its time, and the first time after which |y| <= band * peak.
+
+    ``time`` (n,) in s and ``y`` (n,), zero when settled.
+
+    Raises:
+        ScenarioError: y is still outside the band in the last row.
+    """
+    size = np.abs(y)
+    top = int(np.argmax(size))
+    outside = np.flatnonzero(size > band * size[top])
+    first = int(outside[-1]) + 1 if len(outside) else 0
+    if first == len(y):
+        raise ScenarioError(
+            f"the signal has not settled to {100 * band:g} % of its peak by "
+            f"{time[-1]:g} s; give the run a later stop"
+        )
+    return {
+        "settling": Quantity(float(time[first]), "s"),
+        "peak": Quantity(float(size[top]), unit),
+        "peak_time": Quantity(float(time[top]), "s"),
+    }
+
+
+def sine_fit(time: Array, y: Array, hertz: float) -> complex:
+    """Return the complex amplitude c of y ~ Im(c exp(j w t)) + mean, least squares."""
+    angle = 2 * np.pi * hertz * time
+    columns = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(time)])
+    (real, imaginary, _), *_ = np.linalg.lstsq(columns, y, rcond=None)
+    return complex(real, imaginary)
+
+
+def _sine(
+    spec: SineMetric, time: Array, y: Array, other: Array | None, hertz: float, u: str
+) -> dict[str, Quantity]:
+    amplitude = sine_fit(time, y, hertz)
+    if other is None:
+        size = {"amplitude": Quantity(abs(amplitude), u)}
+    else:
+        base = sine_fit(time, other, hertz)
+        if base == 0:
+            raise ScenarioError(f"{spec.against} has no component at {hertz:g} Hz")
+        amplitude = amplitude / base
+        size = {"ratio": Quantity(abs(amplitude))}
+    return size | {"phase": Quantity(float(np.angle(amplitude, deg=True)), "deg")}
+
+
+def spectrum_line(
+    time: Array, y: Array, hertz: float, unit: str
+) -> dict[str, Quantity]:
+    """Return amplitude and frequency of the spectral line nearest ``hertz``.
+
+    One-sided, Hann window, amplitude of the equivalent sine; rows equally spaced.
+    """
+    from scipy.signal import periodogram
+
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    lines, power = periodogram(y, rate, window="hann", scaling="spectrum")
+    nearest = int(np.argmin(np.abs(lines - hertz)))
+    return {
+        "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
+        "frequency": Quantity(float(lines[nearest]), "Hz"),
+    }
+
+
+def _recorded(name: str, signals: Mapping[str, Signal]) -> Signal:
+    if name not in signals:
+        raise ScenarioError(f"{name} was not recorded; {did_you_mean(name, signals)}")
+    return signals[name]
+
+
+def _rows(spec: MetricSpec, signal: Signal) -> slice:
+    if spec.window is None:
+        return slice(None)
+    start, end = (float(t) for t in spec.window)
+    slack = 1e-12 * max(1.0, abs(end))
+    first = int(np.searchsorted(signal.time, start - slack))
+    last = int(np.searchsorted(signal.time, end + slack, side="right"))
+    if last - first < 1:
+        raise ScenarioError(f"no row of {signal.name} lies in [{start:g}, {end:g}] s")
+    return slice(first, last)
+
+
+def _same_rows(a: Signal, b: Signal) -> None:
+    if not np.array_equal(a.time, b.time):
+        raise ScenarioError(
+            f"{a.name} and {b.name} were recorded at different times "
+            f"({len(a)} and {len(b)} rows); record both at one rate"
+        )
+
+
+def check(
+    expectations: Mapping[str, Expectation], figures: Mapping[str, Quantity]
+) -> list[Check]:
+    """Return for each expectation whether it is met.
+
+    Raises:
+        ScenarioError: it names no figure there is, or its unit does not fit.
+    """
+    return [_check(name, e, figures) for name, e in expectations.items()]
+
+
+def _check(name: str, e: Expectation, figures: Mapping[str, Quantity]) -> Check:
+    if name not in figures:
+        remedy = did_you_mean(name, figures)
+        raise ScenarioError(f'expect."{name}": there is no such figure; {remedy}')
+    try:
+        value = figures[name].to(e.unit)
+    except UnitError as error:
+        raise ScenarioError(f'expect."{name}": {error}') from None
+    wanted = []
+    met = np.isfinite(value.value)
+    if e.below is not None:
+        wanted.append(f"below {e.below:g}")
+        met &= value.value < e.below
+    if e.above is not None:
+        wanted.append(f"above {e.above:g}")
+        met &= value.value > e.above
+    if e.near is not None and e.within is not None:
+        wanted.append(f"{e.near:g} within {e.within:g}")
+        met &= abs(value.value - e.near) <= e.within
+    return Check(name, bool(met), f"{name} = {value}, expected {' and '.join(wanted)}")

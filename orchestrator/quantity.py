@@ -1,0 +1,137 @@
+"""Exact times and values that carry their unit.
+
+A time or rate is read by its decimal text, never through a binary float:
+``"1/20000"``, ``"0.36e-3"``, ``"50 us"``, ``"20 kHz"``, ``2`` and the TOML
+number ``0.5`` are exact fractions of a second (a rate stands for its period).
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+_SECONDS = {
+    "s": Fraction(1),
+    "ms": Fraction(1, 10**3),
+    "us": Fraction(1, 10**6),
+    "µs": Fraction(1, 10**6),
+    "ns": Fraction(1, 10**9),
+    "min": Fraction(60),
+    "h": Fraction(3600),
+}
+_HERTZ = {"Hz": Fraction(1), "kHz": Fraction(10**3), "MHz": Fraction(10**6)}
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+_TIME = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*([^\W\d]+)?\s*")
+
+
+class DecimalFloat(float):
+    """A float that remembers the decimal text it was read from."""
+
+    text: str
+
+    def __new__(cls, text: str) -> "DecimalFloat":
+        number = super().__new__(cls, text)
+        number.text = text
+        return number
+
+
+def parse_time(value: Any) -> Fraction:
+    """Return a time (s) exactly; a rate in hertz gives its period.
+
+    Raises:
+        ValueError: the value is not a finite time, or a rate of zero.
+    """
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal | str):
+        raise ValueError(f"{value!r} is not a time; {_FORMS}")
+    text = value.text if isinstance(value, DecimalFloat) else str(value)
+    match = _TIME.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is not a time; {_FORMS}")
+    above, below, unit = match.groups()
+    number = Fraction(above)
+    if below is not None:
+        if Fraction(below) == 0:
+            raise ValueError(f"{text!r} divides by zero")
+        number /= Fraction(below)
+    if unit is None or unit in _SECONDS:
+        return number * _SECONDS[unit or "s"]
+    if unit not in _HERTZ:
+        raise ValueError(
+            f"{text!r}: {unit!r} is no unit of time; write one of "
+            f"{', '.join((*_SECONDS, *_HERTZ))}"
+        )
+    if number == 0:
+        raise ValueError(f"{text!r}: a rate of zero has no period")
+    return 1 / (number * _HERTZ[unit])
+
+
+_FORMS = 'write "1/20000", "0.36e-3", "50 us" or "20 kHz" (seconds without a unit)'
+
+
+def parse_period(value: Any) -> Fraction:
+    """Return a period (s) exactly.
+
+    Raises:
+        ValueError: not a time, or not greater than zero.
+    """
+    period = parse_time(value)
+    if period <= 0:
+        raise ValueError(f"{value} is not a time greater than zero")
+    return period
+
+
+def time_text(value: Fraction) -> str:
+    """Return the text of a time that ``parse_time`` reads back exactly."""
+    return str(value)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number and its unit (``1`` if it has none)."""
+
+    value: float
+    unit: str = "1"
+
+    def to(self, unit: str | None) -> "Quantity":
+        """Return the same quantity in another unit (None: as it is).
+
+        Raises:
+            fmus.units.UnitError: the units have different dimensions.
+        """
+        if unit is None or unit == self.unit:
+            return self
+        return Quantity(converter(self.unit, unit)(self.value), unit)
+
+    def __str__(self) -> str:
+        return f"{self.value:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
+
+
+def converter(source: str, sink: str) -> Callable[[Any], Any]:
+    """Return the function that converts numbers or arrays between two units.
+
+    Raises:
+        fmus.units.UnitError: the units have different dimensions.
+    """
+    from fmus.units import base_unit, conversion
+
+    gain, offset, *_ = conversion(base_unit(source), base_unit(sink))
+    return lambda value: gain * value + offset
+
+
+def product_unit(*units: str) -> str:
+    """Return the unit of a product of quantities, as models write units."""
+    factors = [unit for unit in units if unit != "1"]
+    if len(factors) < 2:
+        return factors[0] if factors else "1"
+    return ".".join(f"({unit})" for unit in factors)
+
+
+def quotient_unit(above: str, below: str) -> str:
+    """Return the unit of a quotient of two quantities, as models write units."""
+    if below == "1":
+        return above
+    return "1" if above == below else f"({above})/({below})"

@@ -1,0 +1,132 @@
+"""The keys of ``[metrics]`` and ``[expect]`` in a scenario file.
+
+A metric takes one recorded signal (``of``), over ``window = [from, to]`` (s;
+the whole record without), multiplied by ``scale`` and divided by ``per``
+(numbers, or ``component.parameter`` with its unit), in ``unit``.  Its figures
+are called ``<metric>.<figure>``.
+"""
+
+from fractions import Fraction
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
+
+from orchestrator.errors import did_you_mean
+from orchestrator.quantity import parse_time
+
+Factor: TypeAlias = float | str
+
+
+class Strict(BaseModel):
+    """A table that refuses keys it does not know, with the nearest it knows."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_unknown_keys(cls, value: Any) -> Any:
+        if isinstance(value, dict):
+            for key in value:
+                if key not in cls.model_fields:
+                    remedy = did_you_mean(str(key), cls.model_fields)
+                    raise ValueError(f"there is no key {key!r}; {remedy}")
+        return value
+
+
+def _window(value: Any) -> tuple[Fraction, Fraction]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError("a window is two times, [from, to]")
+    start, end = map(parse_time, value)
+    if start >= end:
+        raise ValueError(f"the window ends ({end} s) before it begins ({start} s)")
+    return start, end
+
+
+Window: TypeAlias = Annotated[tuple[Fraction, Fraction], PlainValidator(_window)]
+
+
+class _Metric(Strict):
+    of: str
+    unit: str | None = None
+    scale: Factor = 1.0
+    per: Factor = 1.0
+    window: Window | None = None
+
+    def signals(self) -> dict[str, str]:
+        """Return the recorded signals the metric takes, by key."""
+        return {"of": self.of}
+
+
+class ErrorMetric(_Metric):
+    """``.peak`` (largest magnitude), ``.rms`` and ``.mean`` of against - of."""
+
+    kind: Literal["error"]
+    against: str
+
+    def signals(self) -> dict[str, str]:
+        return {"of": self.of, "against": self.against}
+
+
+class PlainMetric(_Metric):
+    """One figure of a signal, called as the kind; ``peak`` is of the magnitude."""
+
+    kind: Literal["peak", "rms", "mean", "max", "min", "final"]
+
+
+class SettlingMetric(_Metric):
+    """``.settling`` (s after the window's begin), ``.peak`` and ``.peak_time`` (s).
+
+    Settled from the first sample on after which the distance from ``final``
+    (in ``unit``) stays within ``band`` times its own largest value.
+    """
+
+    kind: Literal["settling"]
+    band: float = Field(default=0.05, gt=0, lt=1)
+    final: float = 0.0
+
+
+class SineMetric(_Metric):
+    """Least-squares sine at ``frequency_hz``: ``.amplitude`` and ``.phase`` (deg).
+
+    With ``against``: ``.ratio`` and ``.phase`` of one signal over the other.
+    """
+
+    kind: Literal["sine"]
+    frequency_hz: Factor
+    against: str | None = None
+
+    def signals(self) -> dict[str, str]:
+        other = {} if self.against is None else {"against": self.against}
+        return {"of": self.of, **other}
+
+
+class SpectrumMetric(_Metric):
+    """``.amplitude`` of the line nearest ``frequency_hz`` (Hann, one-sided), and its
+    ``.frequency`` (Hz)."""
+
+    kind: Literal["spectrum"]
+    frequency_hz: Factor
+
+
+MetricSpec: TypeAlias = Annotated[
+    ErrorMetric | PlainMetric | SettlingMetric | SineMetric | SpectrumMetric,
+    Field(discriminator="kind"),
+]
+
+
+class Expectation(Strict):
+    """Bounds a figure must keep: ``below``, ``above``, ``near`` with ``within``."""
+
+    below: float | None = None
+    above: float | None = None
+    near: float | None = None
+    within: float | None = Field(default=None, gt=0)
+    unit: str | None = None
+
+    @model_validator(mode="after")
+    def _says_something(self) -> "Expectation":
+        if (self.near is None) != (self.within is None):
+            raise ValueError("near and within are given together")
+        if self.below is None and self.above is None and self.near is None:
+            raise ValueError("give below, above, or near and within")
+        return self

@@ -1,0 +1,102 @@
+"""What ``--set key=value`` changes in a scenario's tables.
+
+    component.parameter   component.nested.parameter   component.state.x_1
+    component.step  .offset  .latency  .fmu  .kind     (of the component itself)
+    rates.name   stop   fmi
+    design.name.argument   design.name.from_run   design.name=false (leave it out)
+
+``component.parameters.name`` and ``component.start.name`` reach a variable
+whose name is one of the component's own keys.  Whether a parameter exists is
+known when the scenario is composed, from the FMU's variables.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.quantity import DecimalFloat
+from orchestrator.scenario_schema import parse_value
+
+_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind")
+_OF_DESIGN = ("from_run", "call")
+
+
+def apply_override(raw: dict[str, Any], text: str) -> bool:
+    """Change a scenario's tables in place; tell whether a component was changed.
+
+    Raises:
+        ScenarioError: the text is no ``key=value``, or names nothing there is.
+    """
+    key, equals, written = text.partition("=")
+    key = key.strip()
+    if not equals or not key:
+        raise ScenarioError(f"--set {text}: write component.parameter=value")
+    value = parse_override_value(written)
+    head, _, rest = key.partition(".")
+    components = raw.get("components", {})
+    if key in ("stop", "fmi"):
+        raw[key] = value
+    elif head == "rates" and rest:
+        _known(text, "rate", rest, raw.get("rates", {}))
+        raw["rates"][rest] = value
+    elif head == "design" and rest:
+        _set_design(raw, text, rest, value)
+    elif head in components and rest:
+        _set_component(components[head], text, rest, value)
+        return True
+    else:
+        tables = [f"{t}.{n}" for t in ("rates", "design") for n in raw.get(t, {})]
+        known = [f"{name}.<parameter>" for name in components]
+        remedy = did_you_mean(key, (*known, *tables, "stop", "fmi"))
+        raise ScenarioError(f"--set {text}: there is no {key!r}; {remedy}")
+    return False
+
+
+def parse_override_value(written: str) -> Any:
+    """Return the value of an override: a TOML value, or else the text itself."""
+    try:
+        return tomllib.loads(f"v = {written}", parse_float=DecimalFloat)["v"]
+    except tomllib.TOMLDecodeError:
+        text = written.strip()
+    try:
+        return DecimalFloat(text)
+    except ValueError:
+        return text
+
+
+def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    if rest in _OF_COMPONENT:
+        component[rest] = value
+        return
+    table, _, name = rest.partition(".")
+    if table not in ("parameters", "start") or not name:
+        table, name = ("start" if table == "state" else "parameters"), rest
+    try:
+        parse_value(value)
+    except ValueError as error:
+        raise ScenarioError(f"--set {text}: {error}") from None
+    component.setdefault(table, {})[name] = value
+
+
+def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    steps = raw.get("design", {})
+    name, _, argument = rest.partition(".")
+    _known(text, "design step", name, steps)
+    if not argument:
+        if value is not False:
+            raise ScenarioError(
+                f"--set {text}: write design.{name}.<argument>=value, or "
+                f"design.{name}=false to leave the step out"
+            )
+        del steps[name]
+    elif argument in _OF_DESIGN:
+        steps[name][argument] = value
+    else:
+        steps[name].setdefault("arguments", {})[argument] = value
+
+
+def _known(text: str, noun: str, name: str, table: Mapping[str, Any]) -> None:
+    if name not in table:
+        remedy = did_you_mean(name, table)
+        raise ScenarioError(f"--set {text}: there is no {noun} {name!r}; {remedy}")
