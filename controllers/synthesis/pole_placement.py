@@ -91,4 +91,5 @@ def closed_loop_poles(
     omega_2 = 2 * np.pi * f2_hz
     p_1 = -beta * sigma_1 + 1j * omega_d1
     p_3 = omega_2 * (-zeta_2 + 1j * np.sqrt(1 - zeta_2**2))
-    return np.array([p_1, p_1.conj(), p_3, p_3.conj(), -omega_2])
+    pairs = np.array([p_1, p_3])
+    return np.concatenate([pairs, pairs.conj(), [-omega_2]])

@@ -52,7 +52,7 @@ def test_wanted_poles_are_the_printed_ones():
     A, _ = pole_placement.augmented(**DRIVE)
     poles = pole_placement.closed_loop_poles(np.linalg.eigvals(A), 4.0, 50.0, 0.7)
     printed = [-89.13461 + 816.50560j, -219.91149 + 224.35459j, -314.15927]
-    np.testing.assert_allclose(poles[[0, 2, 4]], printed, atol=6e-6)
+    np.testing.assert_allclose(poles[[0, 1, 4]], printed, atol=6e-6)
 
 
 @given(
