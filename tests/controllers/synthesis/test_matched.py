@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from controllers import filter_pack, model_inversion, rotary_command
+from controllers.synthesis.linearise import linearise
 from controllers.synthesis.matched import Factored, coefficients, factored, matched
 
 T_S = 5e-5
@@ -63,6 +65,64 @@ def test_model_inversion_is_the_printed_one():
         282797638.173,
     ]
     np.testing.assert_allclose(b, printed, atol=2e-3)
+
+
+def response_of(G, T_s, z):
+    """Return G matched and made causal, at points z."""
+    H = matched(G, T_s)
+    value = H.gain * np.prod(z[:, None] - H.zeros, axis=1)
+    value = value / np.prod(z[:, None] - H.poles, axis=1)
+    return value * z ** -max(0, len(H.zeros) - len(H.poles))
+
+
+notches = st.tuples(st.floats(100, 1500), st.floats(0.02, 0.95), st.floats(0.02, 0.95))
+
+
+@settings(max_examples=15, deadline=None)
+@given(notches, notches, st.floats(300, 3000), st.floats(2e-5, 2e-4))
+def test_the_run_time_filter_pack_is_the_matched_one(first, second, f_lpf, T_s):
+    p = filter_pack.Parameters(
+        omega_lpf_hz=f_lpf,
+        omega_n1_hz=first[0],
+        zeta_z1=first[1],
+        zeta_p1=first[2],
+        omega_n2_hz=second[0],
+        zeta_z2=second[1],
+        zeta_p2=second[2],
+    )
+    run_time = linearise(filter_pack.model, parameters=p, inputs=["v"], T_s=T_s)
+    z = np.exp(2j * np.pi * np.array([0.001, 0.01, 0.1, 0.3, 0.45]))
+    expected = response_of(low_pass(f_lpf), T_s, z)
+    for values in (first, second):
+        expected = expected * response_of(notch(*values), T_s, z)
+    np.testing.assert_allclose(run_time(z), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("T_s", [2.5e-5, T_S, 1e-4])
+@pytest.mark.parametrize("b_2", [0.0, 2e-3])
+def test_the_run_time_command_generators_are_the_matched_ones(b_2, T_s):
+    drive = {"m_2": M_2, "b_2": b_2, "k": K, "c": C}
+    z = np.exp(2j * np.pi * np.array([0.001, 0.01, 0.1, 0.3, 0.45]))
+    G_r = factored([M_2, b_2 + C, K], [C, K])
+    run_time = linearise(
+        rotary_command.model,
+        parameters=rotary_command.Parameters(**drive),
+        inputs=["x_r"],
+        T_s=T_s,
+    )
+    np.testing.assert_allclose(run_time(z), response_of(G_r, T_s, z), rtol=1e-9)
+
+    a_1 = M_1 * b_2 + M_2 * B_1 + (M_1 + M_2) * C
+    a_2 = B_1 * b_2 + (B_1 + b_2) * C + (M_1 + M_2) * K
+    G_ff = factored([M_1 * M_2, a_1, a_2, (B_1 + b_2) * K, 0], [C, K])
+    drive |= {"m_1": M_1, "b_1": B_1}
+    run_time = linearise(
+        model_inversion.model,
+        parameters=model_inversion.Parameters(**drive),
+        inputs=["x_r"],
+        T_s=T_s,
+    )
+    np.testing.assert_allclose(run_time(z), response_of(G_ff, T_s, z), rtol=1e-7)
 
 
 def test_leaving_out_infinite_zeros_gives_the_low_pass_with_a_whole_delay():
