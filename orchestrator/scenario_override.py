@@ -12,6 +12,7 @@ known when the scenario is composed, from the FMU's variables.
 
 import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
@@ -67,7 +68,8 @@ def parse_override_value(written: str) -> Any:
 
 def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) -> None:
     if rest in _OF_COMPONENT:
-        component[rest] = value
+        is_file = rest == "fmu" and str(value).endswith((".fmu", ".py"))
+        component[rest] = str(Path(value).absolute()) if is_file else value
         return
     table, _, name = rest.partition(".")
     if table not in ("parameters", "start") or not name:

@@ -1,0 +1,183 @@
+"""A scenario from end to end: compose, lock, simulate, evaluate, report.
+
+The folder of a run holds ``scenario.lock.toml`` with ``fmus/``, ``result/``,
+``metrics.json`` and ``report.html``.  The lock is written before the first
+step, so that a run that fails can be looked at and run again.
+"""
+
+import atexit
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from orchestrator.compose import Composition, compose
+from orchestrator.errors import FeedDriveError, ScenarioError
+from orchestrator.lock import LOCK, write_lock
+from orchestrator.metrics import Check, check, evaluate
+from orchestrator.quantity import Quantity
+from orchestrator.result import Result
+from orchestrator.scenario import Scenario, load_scenario
+
+Progress = Callable[[Fraction], None]
+
+
+class Run(Result):
+    """A finished run: recorded signals by name, and what was made of them.
+
+    ``metrics`` are the figures of the scenario, ``checks`` its expectations;
+    ``composition`` the system that ran, with its design results.
+    """
+
+    def __init__(
+        self,
+        result: Result,
+        composition: Composition,
+        metrics: Mapping[str, Quantity],
+        checks: list[Check],
+    ) -> None:
+        super().__init__(result.folder, result.timing)
+        self.composition = composition
+        self.metrics = metrics
+        self.checks = checks
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.composition.scenario
+
+    def summary(self) -> dict[str, Any]:
+        """Return the object that ``run --json`` prints."""
+        timing = self.timing
+        return {
+            "scenario": self.scenario.name,
+            "stop": float(self.composition.system.stop),
+            "metrics": {
+                name: {"value": figure.value, "unit": figure.unit}
+                for name, figure in self.metrics.items()
+            },
+            "timing": timing
+            and {
+                "wall_s": timing.wall_s,
+                "real_time_factor": timing.real_time_factor,
+                "us_per_instant": timing.us_per_instant,
+            },
+            "result": str(self.folder),
+        }
+
+
+def run(
+    scenario: Scenario | str | Path,
+    folder: str | Path | None = None,
+    *,
+    progress: Progress | None = None,
+    report: bool = True,
+) -> Run:
+    """Run a scenario and return its recorded signals, figures and checks.
+
+    ``folder`` (default ``runs/<scenario>``) takes the files of the run and loses
+    those of an earlier one.  ``progress`` is told the simulated time.
+
+    Raises:
+        FeedDriveError: the scenario cannot be run, or the run failed.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario)
+    target = Path("runs", scenario.name) if folder is None else Path(folder)
+    with naming(scenario):
+        composition = compose(scenario, run_earlier)
+        return execute(composition, target, progress=progress, report=report)
+
+
+def execute(
+    composition: Composition,
+    folder: Path,
+    *,
+    progress: Progress | None = None,
+    report: bool = True,
+) -> Run:
+    """Simulate a composition into a folder and evaluate it.
+
+    Raises:
+        FeedDriveError: the system does not fit together, or the run failed.
+    """
+    from orchestrator.simulate import simulate
+
+    refuse_unrecorded(composition)
+    clear(folder)
+    write_lock(composition, folder)
+    result = simulate(composition.system, folder, progress=progress)
+    spec = composition.scenario.spec
+    figures = evaluate(spec.metrics, result, composition.parameter)
+    done = Run(result, composition, figures, check(spec.expect, figures))
+    summary = json.dumps(done.summary(), indent=2) + "\n"
+    (folder / "metrics.json").write_text(summary, encoding="utf-8")
+    if report:
+        from orchestrator.report import write_report
+
+        write_report([done], folder / "report.html")
+    return done
+
+
+def refuse_unrecorded(composition: Composition) -> None:
+    """Refuse, before the run, a metric of a signal that is not recorded.
+
+    Raises:
+        ScenarioError: the message names the metric and the line to add.
+    """
+    for name, metric in composition.scenario.spec.metrics.items():
+        for key, signal in metric.signals().items():
+            recorded = composition.system.record
+            if not any(r == signal or signal.startswith(f"{r}[") for r in recorded):
+                raise ScenarioError(
+                    f"metrics.{name}.{key}: {signal} is not recorded; add "
+                    f'"{signal}" = true to [record]'
+                )
+
+
+def clear(folder: Path) -> None:
+    """Make a run folder, or empty one that holds an earlier run.
+
+    Raises:
+        ScenarioError: the folder holds other things.
+    """
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / LOCK).is_file():
+        raise ScenarioError(
+            f"{folder}: holds files that are no run; give another folder with -o"
+        )
+    if folder.is_file():
+        raise ScenarioError(f"{folder}: is a file; give a folder with -o")
+    for name in ("result", "fmus"):
+        shutil.rmtree(folder / name, ignore_errors=True)
+    for name in ("metrics.json", "report.html"):
+        (folder / name).unlink(missing_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+
+
+@cache
+def run_earlier(name: str) -> Run:
+    """Return the run of a scenario by name or path; once per process."""
+    folder = _workspace() / str(run_earlier.cache_info().misses)
+    return run(name, folder, report=False)
+
+
+@cache
+def _workspace() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="feeddrive-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+@contextmanager
+def naming(scenario: Scenario) -> Iterator[None]:
+    """Put the scenario's file in front of errors that do not name it."""
+    try:
+        yield
+    except FeedDriveError as error:
+        if str(scenario.file) in str(error):
+            raise
+        raise type(error)(f"{scenario.file}: {error}") from error.__cause__

@@ -1,0 +1,88 @@
+"""Start values of a scenario's variables, and where they come from."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from orchestrator.errors import ScenarioError, WiringError, did_you_mean
+from orchestrator.fmu import FmuDescription
+from orchestrator.ports import Port, ports
+from orchestrator.quantity import Quantity
+from orchestrator.system import Component, Value, split_name
+
+Part: TypeAlias = tuple[Component, FmuDescription]
+
+
+class Values:
+    """Values by precedence FMU < design < scenario, of components found on demand.
+
+    ``part`` returns a component and its FMU by name; ``designed`` grows as the
+    design steps are carried out.
+    """
+
+    def __init__(self, known: Sequence[str], part: Callable[[str], Part]) -> None:
+        self._known = known
+        self._part = part
+        self.designed: dict[str, dict[str, Value]] = {name: {} for name in known}
+
+    def value(self, name: str) -> Value:
+        """Return the value of ``component.parameter``, a flat tuple if an array.
+
+        Raises:
+            ScenarioError: there is none.
+        """
+        part, found, variable = self._find(name)
+        designed = self.designed[part.name]
+        if variable in designed and variable not in part.parameters:
+            return designed[variable]
+        return _value(part, found, variable)
+
+    def quantity(self, name: str) -> Quantity:
+        """Return the value and unit of a scalar ``component.parameter``.
+
+        Raises:
+            ScenarioError: there is none, or it is an array.
+        """
+        value = self.value(name)
+        if isinstance(value, tuple):
+            raise ScenarioError(f"{name} is an array; name one number")
+        _, found, _ = self._find(name)
+        return Quantity(float(value), found[0].unit or "1")
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is such a variable."""
+        try:
+            self._find(name)
+        except ScenarioError:
+            return False
+        return True
+
+    def _find(self, name: str) -> tuple[Component, list[Port], str]:
+        component, variable = split_name(name)
+        if component not in self._known:
+            remedy = did_you_mean(component, self._known)
+            raise ScenarioError(
+                f"{name}: there is no component {component!r}; {remedy}"
+            )
+        part, fmu = self._part(component)
+        try:
+            return part, ports(part, fmu, variable), variable
+        except WiringError as error:
+            raise ScenarioError(str(error)) from None
+
+
+def _value(part: Component, found: list[Port], variable: str) -> Value:
+    for table in (part.parameters, part.start):
+        if variable in table:
+            return table[variable]
+    values = tuple(_start(port) for port in found)
+    return values[0] if len(values) == 1 else values
+
+
+def _start(port: Port) -> float:
+    words = (port.variable.start or "").split()
+    if not words:
+        raise ScenarioError(f"{port.full_name} has no start value in its FMU")
+    word = words[port.element if len(words) > 1 else 0]
+    theirs = {"true": 1.0, "false": 0.0}.get(word)
+    theirs = float(word) if theirs is None else theirs
+    return (theirs - port.offset) / port.gain
