@@ -1,0 +1,150 @@
+"""The Python executor of a timetable: the reference, and the one for debugging.
+
+Each program is compiled once into a list of callables that take the instant k.
+Values move through one vector; every output read is checked to be finite.
+"""
+
+from collections.abc import Callable, Mapping
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import SimulationError
+from orchestrator.instance import Instance
+from orchestrator.timetable import Op, Program, Timetable
+from orchestrator.wiring import Copy, Part
+
+Action = Callable[[int], None]
+
+
+class Executor:
+    """Runs programs on initialised instances; ``rows`` records a table's row."""
+
+    def __init__(
+        self,
+        timetable: Timetable,
+        instances: Mapping[str, Instance],
+        vector: NDArray[np.float64],
+        rows: Mapping[str, Callable[[float], None]],
+    ) -> None:
+        self._seconds = timetable.schedule.seconds
+        self._parts = timetable.wiring.parts
+        self._instances, self._rows = instances, rows
+        self._view: Any = vector.data
+        self._lines = {
+            name: _Line(part, self._view)
+            for name, part in self._parts.items()
+            if part.component.latency
+        }
+        self._compiled: dict[int, tuple[Program, list[Action]]] = {}
+
+    def run(self, k: int, program: Program) -> None:
+        """Carry out the program of instant k.
+
+        Raises:
+            SimulationError: an FMU failed or gave a value that is not finite.
+        """
+        _, actions = self._compiled.get(id(program)) or self._compile(program)
+        for action in actions:
+            action(k)
+
+    def _compile(self, program: Program) -> tuple[Program, list[Action]]:
+        compiled = program, [self._action(op) for op in program]
+        self._compiled[id(program)] = compiled
+        return compiled
+
+    def _action(self, op: Op) -> Action:
+        seconds = self._seconds
+        if op.code == "row":
+            row = self._rows[op.target]
+            return lambda k: row(seconds(k))
+        part, instance = self._parts[op.target], self._instances[op.target]
+        if op.code in ("advance", "tick"):
+            step, back, h = instance.step, op.back, op.h
+            return lambda k: step(seconds(k - back), h)
+        if op.code == "write":
+            push = instance.push
+            return lambda _k: push()
+        if op.code == "read":
+            return self._read(part, instance)
+        copy = _copy(part.copies, self._view)
+        if op.code == "copy":
+            return copy
+        line = self._lines[op.target]
+        if op.code == "hold":
+            return lambda _k: line.hold()
+
+        def release(k: int) -> None:
+            line.release()
+            copy(k)
+
+        return release
+
+    def _read(self, part: Part, instance: Instance) -> Action:
+        view, pull, seconds = self._view, instance.pull, self._seconds
+        first, last = part.raw, part.raw + part.read_size
+
+        def read(k: int) -> None:
+            pull()
+            if not isfinite(sum(view[first:last])):
+                _refuse(part, view[first:last].tolist(), seconds(k))
+
+        return read
+
+
+class _Line:
+    """A latency line: what is held at tick k is released at tick k + latency."""
+
+    def __init__(self, part: Part, view: Any) -> None:
+        self._view, self._delayed = view, part.delayed
+        self._raw, self._published = part.raw, part.published
+        self._rest = part.read_size - part.delayed
+        initial = view[part.raw : part.raw + part.delayed].tolist()
+        self._ring = [initial] * part.component.latency
+        self._head = 0
+
+    def release(self) -> None:
+        for i, value in enumerate(self._ring[self._head], self._published):
+            self._view[i] = value
+
+    def hold(self) -> None:
+        view, raw, n = self._view, self._raw, self._delayed
+        self._ring[self._head] = view[raw : raw + n].tolist()
+        self._head = (self._head + 1) % len(self._ring)
+        for i in range(n, n + self._rest):
+            view[self._published + i] = view[raw + i]
+
+
+def _copy(copies: tuple[Copy, ...], view: Any) -> Action:
+    exact = [(c.source, c.sink) for c in copies if not _converts(c)]
+    converting = [
+        (c.source, c.sink, c.affine.gain, c.affine.offset)
+        for c in copies
+        if _converts(c)
+    ]
+
+    def copy(_k: int) -> None:
+        for source, sink in exact:
+            view[sink] = view[source]
+        for source, sink, gain, offset in converting:
+            view[sink] = gain * view[source] + offset
+
+    return copy
+
+
+def _converts(copy: Copy) -> bool:
+    return (copy.affine.gain, copy.affine.offset) != (1.0, 0.0)
+
+
+def _refuse(part: Part, values: list[float], t: float) -> None:
+    """Raise for the first value that is not finite (their sum alone may overflow)."""
+    names = [f"{v.name}" for v in part.read for _ in range(v.size)]
+    for name, value in zip(names, values, strict=True):
+        if not isfinite(value):
+            raise SimulationError(
+                f"{part.name} ({part.fmu.path.name}): {name} is {value} at "
+                f"t = {t:.9g} s; look at its inputs just before (record them), or "
+                f"take smaller steps"
+            )

@@ -1,0 +1,409 @@
+"""One FMU instance in this process, FMI 2.0 or 3.0, behind one small interface.
+
+Call order: ``instantiate``, ``write`` start values, ``enter_initialization``,
+``write``/``read`` as often as needed, ``exit_initialization``, ``bind``, then
+``push`` (all inputs), ``step``, ``pull`` (all outputs) in the master's order,
+at the end ``close``.  ``push`` and ``pull`` move one contiguous part of the
+master's value vector in one call per FMI type.
+
+Every call returns normally or raises ``SimulationError`` with the instance,
+the function, and what the FMU logged.
+"""
+
+import ctypes
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import FeedDriveError, FmuError, SimulationError
+from orchestrator.fmu import FmuDescription, FmuVariable
+
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+_WARNING = 1
+
+_FMI2 = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"} | {
+    "Boolean": "Boolean"
+}
+_CTYPES: dict[str, Any] = {
+    "Real": ctypes.c_double,
+    "Integer": ctypes.c_int,
+    "Float64": ctypes.c_double,
+    "Float32": ctypes.c_float,
+    "Int8": ctypes.c_int8,
+    "UInt8": ctypes.c_uint8,
+    "Int16": ctypes.c_int16,
+    "UInt16": ctypes.c_uint16,
+    "Int32": ctypes.c_int32,
+    "UInt32": ctypes.c_uint32,
+    "Int64": ctypes.c_int64,
+    "UInt64": ctypes.c_uint64,
+}
+
+
+class Instance(Protocol):
+    """What the master needs of an FMU instance, wherever it runs."""
+
+    name: str
+    description: FmuDescription
+
+    def instantiate(self) -> None: ...
+    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
+    def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
+    def enter_initialization(self, start: float) -> None: ...
+    def exit_initialization(self) -> None: ...
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None: ...
+    def push(self) -> None: ...
+    def step(self, t: float, h: float) -> None: ...
+    def pull(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class LogMessage:
+    """What an FMU logged: status, category, text, and the time it had reached."""
+
+    status: str
+    category: str
+    text: str
+    time: float
+
+    def __str__(self) -> str:
+        category = f", {self.category}" if self.category else ""
+        return f"[{self.status}{category}] {self.text}"
+
+
+class LocalInstance:
+    """An FMU loaded into this process with ctypes, through fmpy.
+
+    ``folder`` is the unpacked archive.  ``log`` receives every message.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        description: FmuDescription,
+        folder: Path,
+        log: Callable[[str, LogMessage], None],
+    ) -> None:
+        self.name = name
+        self.description = description
+        self.time = 0.0
+        self._log = log
+        self._messages: list[LogMessage] = []
+        self._fmi2 = description.fmi_major == 2
+        self._slave: Any = None
+        self._initialized = False
+        _require_binary(description, folder)
+        try:
+            self._fmu = self._load(folder)
+        except FeedDriveError:
+            raise
+        except Exception as error:  # fmpy raises bare Exception when loading fails
+            raise FmuError(
+                f"{description.path} ({name}): its library cannot be loaded: {error}; "
+                f"check with `ldd` which system library it lacks"
+            ) from None
+
+    def _load(self, folder: Path) -> Any:
+        from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi3 import FMU3Slave
+
+        kind = FMU2Slave if self._fmi2 else FMU3Slave
+        return kind(
+            guid=self.description.token,
+            modelIdentifier=self.description.model_identifier,
+            unzipDirectory=str(folder),
+            instanceName=self.name,
+        )
+
+    def instantiate(self) -> None:
+        with self._named("instantiate"):
+            if self._fmi2:
+                self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=False)
+            else:
+                self._fmu.instantiate(logMessage=self._fmi3_message)
+        self._slave = ctypes.c_void_p(self._fmu.component)
+
+    def _callbacks(self) -> Any:
+        from fmpy.fmi1 import calloc, free
+        from fmpy.fmi2 import (
+            fmi2CallbackAllocateMemoryTYPE,
+            fmi2CallbackFreeMemoryTYPE,
+            fmi2CallbackFunctions,
+            fmi2CallbackLoggerTYPE,
+        )
+        from fmpy.logging import addLoggerProxy
+
+        def message(
+            _env: Any, _name: Any, status: int, category: Any, text: Any
+        ) -> None:
+            self._record(status, category, text)
+
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(message)
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        addLoggerProxy(ctypes.byref(callbacks))
+        return callbacks
+
+    def _fmi3_message(self, _env: Any, status: int, category: Any, text: Any) -> None:
+        self._record(status, category, text)
+
+    def _record(self, status: int, category: bytes | None, text: bytes | None) -> None:
+        label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+        name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
+        message = LogMessage(label, name, said, self.time)
+        self._messages = [*self._messages[-9:], message]
+        self._log(self.name, message)
+
+    def _named(self, function: str) -> "_Named":
+        return _Named(self, function)
+
+    def fail(self, function: str, reason: str) -> SimulationError:
+        """Return the error for a failed call, with what the FMU logged."""
+        said = "; ".join(str(m) for m in self._messages[-3:])
+        return SimulationError(
+            f"{self.name} ({self.description.path.name}): {function} at "
+            f"t = {self.time:.9g} s {reason}. "
+            + (f"The FMU logged: {said}" if said else "The FMU logged nothing.")
+        )
+
+    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+        position = 0
+        for variable in variables:
+            part = values[position : position + variable.size]
+            position += variable.size
+            with self._named(f"set {variable.name}"):
+                group = _Group(self, [variable], None, 0)
+                group.set(part)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+        values: list[float] = []
+        for variable in variables:
+            with self._named(f"get {variable.name}"):
+                values.extend(_Group(self, [variable], None, 0).get())
+        return values
+
+    def enter_initialization(self, start: float) -> None:
+        self.time = start
+        with self._named("enter initialization"):
+            if self._fmi2:
+                self._fmu.setupExperiment(startTime=start)
+                self._fmu.enterInitializationMode()
+            else:
+                self._fmu.enterInitializationMode(startTime=start)
+
+    def exit_initialization(self) -> None:
+        with self._named("exit initialization"):
+            self._fmu.exitInitializationMode()
+        self._initialized = True
+
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None:
+        self._inputs = _groups(self, inputs, vector, first_input)
+        self._outputs = _groups(self, outputs, vector, first_output)
+        name = "fmi2DoStep" if self._fmi2 else "fmi3DoStep"
+        self._do_step = self._fmu.dll[name]
+        self._do_step.restype = ctypes.c_int
+        flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
+        self._reached = ctypes.c_double()
+        self._event, self._ended, self._early = flags
+        if self._fmi2:
+            self._tail: tuple[Any, ...] = (1,)
+            self._do_step.argtypes = [
+                ctypes.c_void_p,
+                ctypes.c_double,
+                ctypes.c_double,
+                ctypes.c_int,
+            ]
+        else:
+            pointers = [ctypes.pointer(flag) for flag in flags]
+            self._tail = (True, *pointers, ctypes.pointer(self._reached))
+            self._do_step.argtypes = [
+                ctypes.c_void_p,
+                ctypes.c_double,
+                ctypes.c_double,
+                ctypes.c_bool,
+                *[ctypes.POINTER(ctypes.c_bool)] * 3,
+                ctypes.POINTER(ctypes.c_double),
+            ]
+
+    def push(self) -> None:
+        for group in self._inputs:
+            group.push()
+
+    def pull(self) -> None:
+        for group in self._outputs:
+            group.pull()
+
+    def step(self, t: float, h: float) -> None:
+        self.time = t
+        status = self._do_step(self._slave, t, h, *self._tail)
+        if status > _WARNING:
+            raise self.fail(f"doStep of {h:.9g} s", f"returned {STATUS[status]}")
+        if not self._fmi2 and (self._ended.value or self._early.value):
+            raise self.fail(f"doStep of {h:.9g} s", "asked to end the simulation")
+
+    def close(self) -> None:
+        """Terminate and free the instance, whatever state it is in."""
+        if self._slave is None:
+            return
+        with suppress(Exception):
+            if self._initialized:
+                self._fmu.terminate()
+        with suppress(Exception):
+            self._fmu.freeInstance()
+        self._slave = None
+
+
+class _Named:
+    """Turn what fmpy raises in a block into our error naming the call."""
+
+    def __init__(self, instance: LocalInstance, function: str) -> None:
+        self.instance, self.function = instance, function
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
+        if error is None or isinstance(error, FeedDriveError):
+            return
+        if isinstance(error, Exception):
+            raise self.instance.fail(self.function, f"failed ({error})") from None
+
+
+class _Group:
+    """Variables of one FMI type, moved in one call.
+
+    With ``vector`` the doubles are read and written in place at ``first``.
+    """
+
+    def __init__(
+        self,
+        instance: LocalInstance,
+        variables: Sequence[FmuVariable],
+        vector: NDArray[np.float64] | None,
+        first: int,
+    ) -> None:
+        kind = variables[0].fmi_type
+        fmi2 = instance.description.fmi_major == 2
+        if fmi2:
+            kind = _FMI2[kind]
+        elif kind == "Enumeration":
+            kind = "Int64"
+        boolean = ctypes.c_int if fmi2 else ctypes.c_bool
+        element = boolean if kind == "Boolean" else _CTYPES[kind]
+        self.instance, self.kind, self.names = instance, kind, variables[0].name
+        self.size = sum(v.size for v in variables)
+        references = (ctypes.c_uint * len(variables))(*(v.reference for v in variables))
+        self.first, self.vector = first, vector
+        self.in_place = vector is not None and element is ctypes.c_double
+        if vector is not None and self.in_place:
+            self.buffer: Any = (element * self.size).from_buffer(vector.data, 8 * first)
+        else:
+            self.buffer = (element * self.size)()
+        prefix = "fmi2" if fmi2 else "fmi3"
+        arguments: list[Any] = [
+            instance._slave,
+            references,
+            len(variables),
+            self.buffer,
+        ]
+        types: list[Any] = [
+            ctypes.c_void_p,
+            ctypes.POINTER(ctypes.c_uint),
+            ctypes.c_size_t,
+            ctypes.POINTER(element),
+        ]
+        if not fmi2:
+            arguments.append(self.size)
+            types.append(ctypes.c_size_t)
+        self.arguments = tuple(arguments)
+        self._getter = instance._fmu.dll[f"{prefix}Get{kind}"]
+        self._setter = instance._fmu.dll[f"{prefix}Set{kind}"]
+        for function in (self._getter, self._setter):
+            function.argtypes, function.restype = types, ctypes.c_int
+
+    def push(self) -> None:
+        if not self.in_place:
+            assert self.vector is not None
+            self._fill(self.vector[self.first : self.first + self.size])
+        if (status := self._setter(*self.arguments)) > _WARNING:
+            raise self._failure("set", status)
+
+    def pull(self) -> None:
+        if (status := self._getter(*self.arguments)) > _WARNING:
+            raise self._failure("get", status)
+        if not self.in_place:
+            assert self.vector is not None
+            self.vector[self.first : self.first + self.size] = list(self.buffer)
+
+    def set(self, values: Sequence[float]) -> None:
+        self._fill(values)
+        if (status := self._setter(*self.arguments)) > _WARNING:
+            raise self._failure("set", status)
+
+    def get(self) -> list[float]:
+        if (status := self._getter(*self.arguments)) > _WARNING:
+            raise self._failure("get", status)
+        return [float(v) for v in self.buffer]
+
+    def _fill(self, values: Sequence[float] | NDArray[np.float64]) -> None:
+        if self.kind in ("Real", "Float64", "Float32"):
+            self.buffer[:] = [float(v) for v in values]
+        elif self.kind == "Boolean":
+            self.buffer[:] = [bool(v) for v in values]
+        else:
+            self.buffer[:] = [int(v) for v in values]
+
+    def _failure(self, verb: str, status: int) -> SimulationError:
+        return self.instance.fail(
+            f"{verb} {self.kind} ({self.names}, ...)", f"returned {STATUS[status]}"
+        )
+
+
+def _groups(
+    instance: LocalInstance,
+    variables: Sequence[FmuVariable],
+    vector: NDArray[np.float64],
+    first: int,
+) -> list[_Group]:
+    groups = []
+    for _, same in groupby(variables, key=lambda v: v.fmi_type):
+        members = list(same)
+        groups.append(_Group(instance, members, vector, first))
+        first += groups[-1].size
+    return groups
+
+
+def _require_binary(description: FmuDescription, folder: Path) -> None:
+    import fmpy
+
+    host = fmpy.platform if description.fmi_major == 2 else fmpy.platform_tuple
+    suffix = fmpy.sharedLibraryExtension
+    binary = folder / "binaries" / host / f"{description.model_identifier}{suffix}"
+    if not binary.is_file():
+        there = ", ".join(description.platforms) or "none at all"
+        raise FmuError(
+            f"{description.path}: has no binary for this machine "
+            f"(binaries/{host}/{binary.name}); it has: {there}. Ask its supplier for "
+            f"this platform, or build it from its sources"
+        )

@@ -1,0 +1,154 @@
+"""When everybody is due, in exact rational time.
+
+An instant is an integer count of one tick, the greatest common divisor of all
+periods, offsets and the stop.  A clock n is due at first + i * every, i >= 0.
+The instants are those of the closed interval [0, stop] at which a clock is due,
+and 0 and stop in any case.  Times become floats in one place, ``seconds``.
+
+The pattern of due clocks is stored for one hyperperiod up to ``STORED``
+entries, else produced from a heap; both give the same instants.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from heapq import heapify, heapreplace
+from itertools import chain
+from math import gcd, lcm
+
+from orchestrator.errors import ScheduleError
+
+STORED = 1_000_000
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Due at offset + i * period (s), i = 0, 1, ..."""
+
+    period: Fraction
+    offset: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """The instants of a run; ``every`` and ``first`` count ticks, per clock.
+
+    A set of due clocks is a bit mask, bit i for the i-th clock of ``names``.
+    """
+
+    tick: Fraction
+    stop: int
+    names: tuple[str, ...]
+    every: tuple[int, ...]
+    first: tuple[int, ...]
+
+    @classmethod
+    def of(cls, clocks: Mapping[str, Clock], stop: Fraction) -> "Schedule":
+        """Find the common tick of some clocks and the stop.
+
+        Raises:
+            ScheduleError: a period is not positive, an offset or the stop is
+                negative, or the stop is too many ticks away to count exactly.
+        """
+        if stop < 0:
+            raise ScheduleError(f"stop = {stop} s: a run ends at 0 or later")
+        for name, clock in clocks.items():
+            if clock.period <= 0:
+                raise ScheduleError(f"{name}: period {clock.period} s is not positive")
+            if clock.offset < 0:
+                raise ScheduleError(f"{name}: offset {clock.offset} s is negative")
+        times = [c.period for c in clocks.values()]
+        times += [t for t in (*(c.offset for c in clocks.values()), stop) if t > 0]
+        tick = rational_gcd(*times) if times else Fraction(1)
+        count = int(stop / tick)
+        if count * tick.numerator >= 2**53 or tick.denominator >= 2**53:
+            raise ScheduleError(
+                f"stop = {stop} s is {count} ticks of {tick} s: more than a float can "
+                f"count exactly; choose periods with a larger common divisor"
+            )
+        return cls(
+            tick,
+            count,
+            tuple(clocks),
+            tuple(int(c.period / tick) for c in clocks.values()),
+            tuple(int(c.offset / tick) for c in clocks.values()),
+        )
+
+    @property
+    def hyperperiod(self) -> int:
+        """Ticks after which the pattern of due clocks repeats."""
+        return lcm(*self.every) if self.every else 1
+
+    def seconds(self, k: int) -> float:
+        """Return the time of instant k, rounded once: k * num / den in doubles."""
+        return float(k * self.tick.numerator) / float(self.tick.denominator)
+
+    def duration(self, ticks: int) -> float:
+        """Return the float nearest to a number of ticks, in seconds."""
+        return float(ticks * self.tick)
+
+    def is_stored(self) -> bool:
+        """Tell whether one hyperperiod is short enough to be kept in memory."""
+        due = sum(self.hyperperiod // every for every in self.every)
+        length = max(self.first, default=0) + self.hyperperiod
+        return 0 < due <= STORED and length < self.stop
+
+    def instants(self) -> Iterator[tuple[int, int]]:
+        """Yield every instant and the mask of the clocks due at it."""
+        return self.repeated() if self.is_stored() else self.merged(0, self.stop)
+
+    def merged(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
+        """Yield the instants of [begin, end] from a heap of next due times."""
+        heap = [
+            (first + -(-max(begin - first, 0) // every) * every, i)
+            for i, (every, first) in enumerate(zip(self.every, self.first, strict=True))
+        ]
+        heapify(heap)
+        k = begin
+        while True:
+            mask = 0
+            while heap and heap[0][0] == k:
+                _, i = heap[0]
+                mask |= 1 << i
+                heapreplace(heap, (k + self.every[i], i))
+            if mask or k in (0, self.stop):
+                yield k, mask
+            if k >= end:
+                return
+            k = min(heap[0][0], end) if heap else end
+
+    def repeated(self) -> Iterator[tuple[int, int]]:
+        """Yield all instants from the stored pattern of one hyperperiod.
+
+        There must be a clock.
+        """
+        settled, length = max(self.first, default=0), self.hyperperiod
+        transient = self.merged(0, settled - 1) if settled else ()
+        pattern = [e for e in self.merged(settled, settled + length - 1) if e[1]]
+        periodic = (
+            (begin + k, mask)
+            for begin in range(0, self.stop - settled + 1, length)
+            for k, mask in pattern
+        )
+        last = -1
+        for k, mask in chain(transient, periodic):
+            if k > self.stop:
+                break
+            last = k
+            yield k, mask
+        if last < self.stop:
+            yield self.stop, 0
+
+    def ticks(self, name: str) -> int:
+        """Count how often a clock is due in [0, stop]."""
+        i = self.names.index(name)
+        return max(0, (self.stop - self.first[i]) // self.every[i] + 1)
+
+
+def rational_gcd(*values: Fraction) -> Fraction:
+    """Largest rational dividing every value a whole number of times."""
+    return Fraction(
+        reduce(gcd, (v.numerator for v in values)),
+        reduce(lcm, (v.denominator for v in values)),
+    )

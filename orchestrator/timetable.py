@@ -1,0 +1,160 @@
+"""What the master does at every instant, as a flat list of operations.
+
+At instant k (time t):
+
+1. ``advance``: continuous components due, and those that a source publishes to
+   strictly inside their step, are stepped to t with what they were last given;
+2. ``read`` and ``copy``: outputs of the due ones are exchanged;
+3. sampled components due, in running order: first every ``release`` (latency
+   lines publish), then each ``write``, ``tick``, ``read``, ``copy`` or ``hold``;
+   then ``write`` for the continuous components stepped at this instant;
+4. ``row``: tables due are recorded; at the stop all of them.
+
+At instant 0 no component is advanced: initialisation has made its outputs.
+Equal situations share one program; executors compile each only once.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+from orchestrator.order import running_order
+from orchestrator.schedule import Clock, Schedule
+from orchestrator.wiring import Edge, Part, Wiring
+
+Code = Literal["advance", "read", "copy", "release", "write", "tick", "hold", "row"]
+
+
+class Op(NamedTuple):
+    """One operation on a component (or on a table, for ``row``).
+
+    ``back`` and ``h`` of an ``advance``: it starts ``back`` ticks before this
+    instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
+    """
+
+    code: Code
+    target: str
+    back: int = 0
+    h: float = 0.0
+
+
+Program = tuple[Op, ...]
+
+
+@dataclass(frozen=True)
+class Timetable:
+    """A wired system's instants and programs; iterate ``instants()`` once per run."""
+
+    wiring: Wiring
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        clocks = {
+            n: Clock(p.component.period, p.component.offset)
+            for n, p in self.wiring.parts.items()
+        }
+        for period in self.wiring.tables:
+            clocks[table_name(period)] = Clock(period)
+        return Schedule.of(clocks, self.wiring.system.stop)
+
+    @cached_property
+    def order(self) -> tuple[str, ...]:
+        return self._ordered[0]
+
+    @cached_property
+    def waiting(self) -> frozenset[Edge]:
+        return self._ordered[1]
+
+    @cached_property
+    def _ordered(self) -> tuple[tuple[str, ...], frozenset[Edge]]:
+        return running_order(self.wiring)
+
+    @cached_property
+    def continuous(self) -> tuple[Part, ...]:
+        return tuple(p for p in self.wiring.parts.values() if p.kind == "continuous")
+
+    def instants(self) -> Iterator[tuple[int, Program]]:
+        """Yield each instant k and its program, in order, 0 and the stop included."""
+        schedule = self.schedule
+        bit = {name: 1 << i for i, name in enumerate(schedule.names)}
+        wakes = [bit[p.name] | self._splitters(p, bit) for p in self.continuous]
+        last = [0] * len(self.continuous)
+        programs: dict[tuple[int, ...], Program] = {}
+        for k, mask in schedule.instants():
+            ending = k == schedule.stop
+            backs = [
+                k - begun if (mask & wake or ending) and k > begun else 0
+                for wake, begun in zip(wakes, last, strict=True)
+            ]
+            for i, back in enumerate(backs):
+                if back:
+                    last[i] = k
+            first = k == 0
+            key = (mask, first, ending, *backs)
+            if key not in programs:
+                programs[key] = self._program(mask, bit, backs, first, ending)
+            yield k, programs[key]
+
+    def _splitters(self, part: Part, bit: dict[str, int]) -> int:
+        """Return the mask of sources at whose ticks a component's step is split."""
+        if not part.fmu.variable_step:
+            return 0
+        sources = {e.source for e in self.wiring.edges if e.sink == part.name}
+        return sum(bit[name] for name in sources)
+
+    def _program(
+        self,
+        mask: int,
+        bit: dict[str, int],
+        backs: list[int],
+        first: bool,
+        ending: bool,
+    ) -> Program:
+        parts, ops = self.wiring.parts, list[Op]()
+        every = dict(zip(self.schedule.names, self.schedule.every, strict=True))
+        for part, back in zip(self.continuous, backs, strict=True):
+            if back:
+                full = back == every[part.name]
+                h = (
+                    float(part.component.period)
+                    if full
+                    else self.schedule.duration(back)
+                )
+                ops.append(Op("advance", part.name, back, h))
+        for part in self.continuous:
+            if (mask & bit[part.name] or ending) and not first:
+                ops += [Op("read", part.name), Op("copy", part.name)]
+        ticking = [parts[name] for name in self.order if mask & bit[name]]
+        ops += [Op("release", p.name) for p in ticking if p.component.latency]
+        for part in ticking:
+            ops.append(Op("write", part.name))
+            ops.append(Op("tick", part.name, 0, float(part.component.period)))
+            ops.append(Op("read", part.name))
+            ops.append(Op("hold" if part.component.latency else "copy", part.name))
+        for part, back in zip(self.continuous, backs, strict=True):
+            if (back or first) and not ending:
+                ops.append(Op("write", part.name))
+        for period in self.wiring.tables:
+            name = table_name(period)
+            if mask & bit[name] or ending:
+                ops.append(Op("row", name))
+        return tuple(op for op in ops if self._does_something(op))
+
+    def _does_something(self, op: Op) -> bool:
+        if op.code == "row":
+            return True
+        part = self.wiring.parts[op.target]
+        if op.code == "write":
+            return bool(part.inputs)
+        if op.code == "read":
+            return bool(part.read)
+        if op.code == "copy":
+            return bool(part.copies)
+        return True
+
+
+def table_name(period: Fraction) -> str:
+    """Return the name of the table with one row every ``period`` seconds."""
+    return f"every {period.numerator}/{period.denominator} s"

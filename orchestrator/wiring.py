@@ -1,0 +1,382 @@
+"""A system checked and laid out on one vector of doubles.
+
+Every part owns contiguous places: its connected inputs, its read variables
+as the FMU gives them (raw), and, with a latency, the published ones.  Copies
+carry published values to inputs.  Refused here: unknown names, two sorts or
+units that do not fit, what is no input, a latency on a continuous component,
+parameters that are not numbers or cannot be set.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isfinite
+
+from orchestrator.errors import ScheduleError, WiringError, did_you_mean
+from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.ports import Affine, Port, connection, ports
+from orchestrator.system import Component, Kind, System, Value, split_name
+
+
+@dataclass(frozen=True)
+class Copy:
+    """vector[sink] = gain * vector[source] + offset."""
+
+    source: int
+    sink: int
+    affine: Affine
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One connection, for ordering and listing; names without component."""
+
+    source: str
+    output: str
+    sink: str
+    input: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A component with its places in the vector.
+
+    ``read[:delayed]`` are outputs, which a latency delays; the rest (states,
+    parameters that are recorded) are published at once.
+    """
+
+    component: Component
+    fmu: FmuDescription
+    kind: Kind
+    inputs: tuple[FmuVariable, ...]
+    first_input: int
+    read: tuple[FmuVariable, ...]
+    raw: int
+    published: int
+    delayed: int
+    start: tuple[tuple[FmuVariable, tuple[float, ...]], ...]
+    copies: tuple[Copy, ...]
+
+    @property
+    def name(self) -> str:
+        return self.component.name
+
+    @property
+    def read_size(self) -> int:
+        return sum(v.size for v in self.read)
+
+    @property
+    def input_size(self) -> int:
+        return sum(v.size for v in self.inputs)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A recorded number: its name and unit, and where it stands."""
+
+    name: str
+    unit: str
+    index: int
+    affine: Affine
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """A system ready to be scheduled; ``tables`` groups the columns by row period."""
+
+    system: System
+    parts: Mapping[str, Part]
+    edges: tuple[Edge, ...]
+    tables: Mapping[Fraction, tuple[Column, ...]]
+    size: int
+    notes: tuple[str, ...]
+
+
+def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
+    """Check a system against its FMUs and lay it out.
+
+    Raises:
+        WiringError, ScheduleError: see the contract above.
+    """
+    for name, component in system.components.items():
+        _check_component(system, component, fmus[name])
+    links, notes = _links(system, fmus)
+    recorded = {
+        name: _ports_of(system, fmus, name, f"record.{name!r}")
+        for name in system.record
+    }
+    layout = _Layout(system, fmus, links, recorded)
+    parts = {name: layout.part(name) for name in system.components}
+    edges = tuple(
+        Edge(s.component, s.variable.name, t.component, t.variable.name)
+        for s, t, _ in links
+    )
+    tables: dict[Fraction, list[Column]] = {}
+    for name, found in recorded.items():
+        columns = tables.setdefault(system.record[name], [])
+        columns.extend(layout.column(port) for port in found)
+    return Wiring(
+        system,
+        parts,
+        tuple(dict.fromkeys(edges)),
+        {period: tuple(columns) for period, columns in tables.items()},
+        layout.size,
+        tuple(notes),
+    )
+
+
+def kind_of(component: Component, fmu: FmuDescription) -> Kind:
+    """Return how a component is treated: as the scenario, else the FMU says."""
+    return component.kind or fmu.kind or "continuous"
+
+
+def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
+    where = f"components.{c.name}"
+    if not fmu.co_simulation:
+        raise WiringError(
+            f"{where}: {fmu.path.name} is for model exchange only; export it for "
+            f"co-simulation"
+        )
+    if c.kind and fmu.kind and c.kind != fmu.kind:
+        raise WiringError(f"{where}.kind: {fmu.path.name} is {fmu.kind}, not {c.kind}")
+    kind = kind_of(c, fmu)
+    if c.latency < 0 or (c.latency and kind == "continuous"):
+        raise WiringError(
+            f"{where}.latency = {c.latency}: a whole number of samples >= 0, and only "
+            f"on a sampled component (this one is {kind})"
+        )
+    if fmu.period and c.period != fmu.period:
+        raise ScheduleError(
+            f"{where}.step = {c.period} s, but {fmu.path.name} was built for a sample "
+            f"time of {fmu.period} s; build it again with --period {c.period}"
+        )
+    if kind == "sampled" or fmu.variable_step:
+        return
+    if c.offset:
+        raise ScheduleError(
+            f"{where}.offset: {fmu.path.name} has a fixed step and cannot start with a "
+            f"step of {c.offset} s; set offset = 0"
+        )
+    if system.stop % c.period:
+        low = system.stop // c.period * c.period
+        raise ScheduleError(
+            f"stop = {system.stop} s: {c.name} ({fmu.path.name}) only takes steps of "
+            f"{c.period} s; the nearest stops are {low} and {low + c.period} s"
+        )
+
+
+Link = tuple[Port, Port, Affine]
+
+
+def _links(
+    system: System, fmus: Mapping[str, FmuDescription]
+) -> tuple[list[Link], list[str]]:
+    links: list[Link] = []
+    notes: list[str] = []
+    driven: dict[tuple[str, str, int], str] = {}
+    for sink, source in system.connections.items():
+        where = f"connections.{sink!r} = {source!r}"
+        targets = _ports_of(system, fmus, sink, where)
+        origins = _ports_of(system, fmus, source, where)
+        for origin, target in _pairs(origins, targets, where):
+            if target.variable.causality != "input":
+                raise WiringError(
+                    f"{where}: {target.full_name} is no input but a "
+                    f"{target.variable.causality}; inputs of {target.component}: "
+                    f"{', '.join(fmus[target.component].inputs) or 'none'}"
+                )
+            key = (target.component, target.variable.name, target.element)
+            if key in driven:
+                raise WiringError(
+                    f"{where}: {target.full_name} is already driven by {driven[key]}; "
+                    f"remove one of the two"
+                )
+            driven[key] = origin.full_name
+            affine, note = connection(origin, target)
+            links.append((origin, target, affine))
+            notes.extend([note] if note else [])
+    return links, notes
+
+
+def _pairs(
+    origins: Sequence[Port], targets: Sequence[Port], where: str
+) -> list[tuple[Port, Port]]:
+    if len(origins) == len(targets) == 1:
+        return [(origins[0], targets[0])]
+    by_label = {port.label: port for port in origins}
+    missing = [t.label for t in targets if t.label not in by_label]
+    if missing or len(origins) != len(targets):
+        raise WiringError(
+            f"{where}: {len(origins)} values for {len(targets)}"
+            + (f", none for {', '.join(missing)}" if missing else "")
+            + "; connect arrays of one shape or records with the same fields"
+        )
+    return [(by_label[t.label], t) for t in targets]
+
+
+def _ports_of(
+    system: System, fmus: Mapping[str, FmuDescription], full: str, where: str
+) -> list[Port]:
+    owner, name = split_name(full)
+    if owner not in system.components:
+        raise WiringError(
+            f"{where}: no component {owner!r}; {did_you_mean(owner, system.components)}"
+        )
+    if not name:
+        raise WiringError(f"{where}: write component.variable, not {full!r}")
+    try:
+        return ports(system.components[owner], fmus[owner], name)
+    except WiringError as error:
+        raise WiringError(f"{where}: {error}") from None
+
+
+class _Layout:
+    """Hands out places in the vector."""
+
+    def __init__(
+        self,
+        system: System,
+        fmus: Mapping[str, FmuDescription],
+        links: Sequence[Link],
+        recorded: Mapping[str, Sequence[Port]],
+    ) -> None:
+        self.system, self.fmus, self.links, self.size = system, fmus, links, 0
+        self.input_at: dict[tuple[str, str], int] = {}
+        self.read_at: dict[tuple[str, str], int] = {}
+        self.places: dict[str, tuple[int, int, int, int]] = {}
+        self.inputs: dict[str, tuple[FmuVariable, ...]] = {}
+        self.read: dict[str, tuple[FmuVariable, ...]] = {}
+        sinks = [t for _, t, _ in links]
+        driven = {(t.component, t.variable.name) for t in sinks}
+        asked = [p for found in recorded.values() for p in found]
+        wanted = [s for s, _, _ in links]
+        wanted += [p for p in asked if (p.component, p.variable.name) not in driven]
+        for name in system.components:
+            self._place(name, sinks, wanted)
+
+    def _place(self, name: str, sinks: list[Port], wanted: list[Port]) -> None:
+        inputs = _variables(name, sinks)
+        read = _variables(name, wanted)
+        sources = {s.variable.name for s, _, _ in self.links if s.component == name}
+        outputs = [v for v in read if v.causality == "output" or v.name in sources]
+        read = (*outputs, *(v for v in read if v not in outputs))
+        self.inputs[name], self.read[name] = inputs, read
+        first_input = self._take(self.input_at, name, inputs)
+        raw = self.size
+        published = self._take(self.read_at, name, read)
+        if self.system.components[name].latency:
+            raw = self.size
+            self.size += self.size - published
+        delayed = sum(v.size for v in outputs)
+        self.places[name] = (first_input, raw, published, delayed)
+
+    def _take(
+        self,
+        places: dict[tuple[str, str], int],
+        name: str,
+        variables: tuple[FmuVariable, ...],
+    ) -> int:
+        first = self.size
+        for variable in variables:
+            places[name, variable.name] = self.size
+            self.size += variable.size
+        return first
+
+    def part(self, name: str) -> Part:
+        component, fmu = self.system.components[name], self.fmus[name]
+        first_input, raw, published, delayed = self.places[name]
+        copies = tuple(
+            Copy(
+                self.read_at[name, s.variable.name] + s.element,
+                self.input_at[t.component, t.variable.name] + t.element,
+                affine,
+            )
+            for s, t, affine in self.links
+            if s.component == name
+        )
+        return Part(
+            component,
+            fmu,
+            kind_of(component, fmu),
+            self.inputs[name],
+            first_input,
+            self.read[name],
+            raw,
+            published,
+            delayed,
+            tuple(_start(component, fmu)),
+            copies,
+        )
+
+    def column(self, port: Port) -> Column:
+        key = (port.component, port.variable.name)
+        affine = Affine(port.gain, port.offset)
+        if key in self.input_at:
+            index, affine = self.input_at[key], affine.inverse()
+        else:
+            index = self.read_at[key]
+        return Column(port.full_name, port.unit or "1", index + port.element, affine)
+
+
+def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:
+    """Return the distinct variables of a component, doubles first, then by type."""
+    found = {p.variable.name: p.variable for p in asked if p.component == component}
+    doubles = ("Real", "Float64")
+    return tuple(
+        sorted(found.values(), key=lambda v: (v.fmi_type not in doubles, v.fmi_type))
+    )
+
+
+def _start(
+    component: Component, fmu: FmuDescription
+) -> list[tuple[FmuVariable, tuple[float, ...]]]:
+    """Return what is written before initialisation, as the FMU's own numbers."""
+    written = []
+    for section in ("parameters", "start"):
+        values: Mapping[str, Value] = getattr(component, section)
+        for name, value in values.items():
+            where = f"components.{component.name}.{section}.{name}"
+            try:
+                found = ports(component, fmu, name)
+            except WiringError as error:
+                raise WiringError(f"{where}: {error}") from None
+            written.extend(_numbers(where, found, value))
+    return written
+
+
+def _numbers(
+    where: str, found: Sequence[Port], value: Value
+) -> list[tuple[FmuVariable, tuple[float, ...]]]:
+    for port in found:
+        v = port.variable
+        settable = v.causality in ("parameter", "input", "structuralParameter")
+        settable = settable or v.initial in ("exact", "approx")
+        if not settable or v.variability == "constant":
+            raise WiringError(
+                f"{where}: a {v.variability} {v.causality} of the FMU cannot be set"
+            )
+    given = value if isinstance(value, tuple) else (value,)
+    numbers = [float(v) for v in given]
+    if len(numbers) != len(found):
+        raise WiringError(
+            f"{where}: {len(found)} numbers expected, {len(numbers)} given"
+        )
+    if not all(map(isfinite, numbers)):
+        raise WiringError(f"{where} = {value}: must be a finite number")
+    whole: dict[str, tuple[FmuVariable, list[float]]] = {}
+    for port, number in zip(found, numbers, strict=True):
+        v = port.variable
+        whole.setdefault(v.name, (v, _declared(v)))
+        whole[v.name][1][port.element] = port.gain * number + port.offset
+    return [(variable, tuple(values)) for variable, values in whole.values()]
+
+
+def _declared(variable: FmuVariable) -> list[float]:
+    """Return a variable's start values as the FMU declares them, else zeros."""
+    words = {"true": 1.0, "false": 0.0}
+    declared = [
+        words[w] if w in words else float(w) for w in (variable.start or "").split()
+    ]
+    if len(declared) == 1:
+        return declared * variable.size
+    return declared if len(declared) == variable.size else [0.0] * variable.size
