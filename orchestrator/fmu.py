@@ -245,9 +245,11 @@ def _platforms(path: Path) -> tuple[str, ...]:
 
 def _annotation(root: Any) -> tuple[Kind | None, Fraction | None]:
     """Return kind and exact period that our own FMUs carry."""
-    for element in root.iter("{*}FeedDrive"):
-        kind, period = element.get("kind"), element.get("period")
-        if kind in ("continuous", "sampled"):
+    for place in root.iter("{*}Tool", "{*}Annotation"):
+        if "feeddrive" not in (place.get("name"), place.get("type")):
+            continue
+        for model in place.iter("{*}Model"):
+            kind, period = model.get("kind"), model.get("period")
             return cast(Kind, kind), Fraction(period) if period else None
     return None, None
 
