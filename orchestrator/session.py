@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -158,11 +159,24 @@ def clear(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
 
 
+_UNDER_WAY: list[str] = []
+_NUMBERS = count()
+
+
 @cache
 def run_earlier(name: str) -> Run:
-    """Return the run of a scenario by name or path; once per process."""
-    folder = _workspace() / str(run_earlier.cache_info().misses)
-    return run(name, folder, report=False)
+    """Return the run of a scenario by name or path; once per process.
+
+    Raises:
+        ScenarioError: the scenario needs its own result.
+    """
+    if name in _UNDER_WAY:
+        raise ScenarioError(f"from_run: {name} takes signals from its own run")
+    _UNDER_WAY.append(name)
+    try:
+        return run(name, _workspace() / str(next(_NUMBERS)), report=False)
+    finally:
+        _UNDER_WAY.remove(name)
 
 
 @cache

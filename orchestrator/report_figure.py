@@ -1,0 +1,199 @@
+"""The curves of a report: panels over one time axis, several runs overlaid.
+
+Every error metric gives two panels (reference and actual, error); the other
+recorded signals share one panel per unit.  A trace has at most 5,000 points:
+the smallest and the largest of each stretch, so that no peak is lost.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.metrics import scaled
+from orchestrator.quantity import converter
+from orchestrator.scenario_metrics import ErrorMetric
+
+if TYPE_CHECKING:
+    from orchestrator.session import Run
+
+Array: TypeAlias = NDArray[np.float64]
+
+POINTS = 5000
+COLOURS = ("#1f5fa8", "#d1495b", "#2e8b57", "#e09f3e", "#6c4f9c", "#3a9fb5", "#7f7f7f")
+DASHES = ("solid", "dot", "dash", "dashdot")
+REFERENCE = "#8a8f98"
+_LARGE = {"um": (1e4, "mm"), "mm": (1e4, "m"), "us": (1e4, "ms")}
+
+
+@dataclass
+class Curve:
+    """One line: ``time`` (s) and ``values``, both (n,), of run number ``run``."""
+
+    label: str
+    time: Array
+    values: Array
+    run: int
+    is_reference: bool = False
+
+
+@dataclass
+class Panel:
+    """Curves of one unit over time."""
+
+    title: str
+    unit: str
+    curves: list[Curve] = field(default_factory=list)
+
+
+def figure(runs: "Sequence[Run]") -> Any:
+    """Return the Plotly figure of one run or of several overlaid."""
+    import plotly.graph_objects as go
+    from plotly.subplots import make_subplots
+
+    shown = list(panels(runs))
+    count = max(1, len(shown))
+    gap = min(0.06, 0.28 / count)
+    plot = make_subplots(
+        rows=count,
+        cols=1,
+        shared_xaxes=True,
+        vertical_spacing=gap,
+        subplot_titles=[panel.title for panel in shown],
+    )
+    for row, panel in enumerate(shown, start=1):
+        styles: dict[str, int] = {}
+        for curve in panel.curves:
+            time, values = decimate(curve.time, curve.values)
+            plot.add_trace(
+                go.Scattergl(
+                    x=time,
+                    y=values,
+                    name=curve.label,
+                    mode="lines",
+                    line=_line(curve, len(runs) > 1, styles),
+                    legend=f"legend{row if row > 1 else ''}",
+                    hovertemplate="%{y:.6g} " + panel.unit,
+                ),
+                row=row,
+                col=1,
+            )
+        plot.update_yaxes(title_text=panel.unit, row=row, col=1)
+        top = 1 - (row - 1) * (1 + gap) / count if count > 1 else 1.0
+        key = f"legend{row if row > 1 else ''}"
+        plot.update_layout({key: {"x": 1.01, "y": top, "yanchor": "top"}})
+    plot.update_xaxes(title_text="time in s", row=count, col=1)
+    plot.update_layout(
+        template="plotly_white",
+        height=120 + 240 * count,
+        margin={"l": 80, "r": 20, "t": 40, "b": 50},
+        hovermode="x unified",
+        font={"family": "system-ui, sans-serif", "size": 13, "color": "#22262b"},
+    )
+    return plot
+
+
+def _line(curve: Curve, compared: bool, styles: dict[str, int]) -> dict[str, Any]:
+    if curve.is_reference:
+        return {"color": REFERENCE, "width": 1.5, "dash": "dash"}
+    number = styles.setdefault(f"{curve.run} {curve.label}", len(styles))
+    if not compared:
+        return {"color": COLOURS[number % len(COLOURS)], "width": 1.5}
+    within = sum(key.startswith(f"{curve.run} ") for key in styles) - 1
+    colour = COLOURS[curve.run % len(COLOURS)]
+    return {"color": colour, "width": 1.5, "dash": DASHES[within % len(DASHES)]}
+
+
+def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
+    """Return the panels of a report, those of equal title and unit merged."""
+    merged: dict[tuple[str, str], Panel] = {}
+    tracked: list[Panel] = []
+    for number, run in enumerate(runs):
+        label = f"{name_of(run)}: " if len(runs) > 1 else ""
+        for panel in (*_tracking(run, number, label), *_others(run, number, label)):
+            key = panel.title, panel.unit
+            if key not in merged:
+                merged[key] = panel
+                tracked.append(panel)
+                continue
+            known = merged[key].curves
+            known.extend(c for c in panel.curves if not _already(c, known))
+    return tracked
+
+
+def name_of(run: "Run") -> str:
+    """Return a short name of a run for legends and tables."""
+    return run.scenario.spec.title or run.scenario.name.rpartition("/")[2]
+
+
+def _already(curve: Curve, known: Sequence[Curve]) -> bool:
+    """Tell whether a reference is already drawn: equal runs follow one command."""
+    return curve.is_reference and any(
+        k.is_reference and np.array_equal(k.values, curve.values) for k in known
+    )
+
+
+def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
+    for name, metric in run.scenario.spec.metrics.items():
+        if not isinstance(metric, ErrorMetric):
+            continue
+        of, against = run[metric.of], run[metric.against]
+        actual, unit = scaled(metric, of, run.composition.parameter)
+        reference, its = scaled(metric, against, run.composition.parameter)
+        if its != unit:
+            reference = converter(its, unit)(reference)
+        error = reference - actual
+        large, readable = _readable(unit, np.max(np.abs(reference)))
+        first = Panel(f"{name}: reference and actual", readable)
+        first.curves = [
+            Curve(metric.against, against.time, large(reference), number, True),
+            Curve(label + metric.of, of.time, large(actual), number),
+        ]
+        yield first
+        second = Panel(f"{name}: error", unit)
+        second.curves = [Curve(f"{label}error", of.time, error, number)]
+        yield second
+
+
+def _readable(unit: str, peak: float) -> tuple[Any, str]:
+    limit, larger = _LARGE.get(unit, (np.inf, unit))
+    return (converter(unit, larger), larger) if peak > limit else (lambda v: v, unit)
+
+
+def _others(run: "Run", number: int, label: str) -> Iterable[Panel]:
+    taken = {
+        signal
+        for metric in run.scenario.spec.metrics.values()
+        if isinstance(metric, ErrorMetric)
+        for signal in metric.signals().values()
+    }
+    by_unit: dict[str, Panel] = {}
+    for name in run:
+        if name not in taken:
+            signal = run[name]
+            title = (
+                "other signals" if signal.unit == "1" else f"signals in {signal.unit}"
+            )
+            panel = by_unit.setdefault(signal.unit, Panel(title, signal.unit))
+            panel.curves.append(Curve(label + name, signal.time, signal.values, number))
+    return by_unit.values()
+
+
+def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
+    """Thin a curve to at most ``points``, keeping the extremes of each stretch.
+
+    ``time`` and ``values`` (n,); the first and the last point stay.
+    """
+    n = len(values)
+    if n <= points:
+        return time, values
+    stretches = np.array_split(np.arange(n), points // 2 - 1)
+    kept = {0, n - 1}
+    for stretch in stretches:
+        part = values[stretch]
+        kept.add(int(stretch[np.argmin(part)]))
+        kept.add(int(stretch[np.argmax(part)]))
+    index = np.array(sorted(kept))
+    return time[index], values[index]
