@@ -1,0 +1,250 @@
+"""Compile native FMUs for five platforms with one compiler, the ziglang wheel.
+
+The adapters are compiled once per platform and kept in a cache; per FMU only
+the generated file is compiled and linked to them.  The same sources give the
+same bytes, wherever they are built.
+"""
+
+import hashlib
+import platform as host
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import MappingProxyType
+
+from fmus.native_source import adapter_sources, source_names
+
+FLAGS = (
+    "-mcpu=baseline",
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-sanitize=undefined",
+    "-g0",
+    "-std=c99",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+    "-Wno-unused-parameter",  # FMI prescribes arguments that nobody needs
+)
+
+
+class CompileError(Exception):
+    """The C compiler is missing or refused a source."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Where a binary runs, what zig calls that, and where FMI puts it."""
+
+    name: str
+    triple: str
+    fmi2_folder: str
+    fmi3_folder: str
+    suffix: str
+
+
+PLATFORMS: Mapping[str, Platform] = MappingProxyType(
+    {
+        p.name: p
+        for p in (
+            Platform(
+                "linux-x86_64",
+                "x86_64-linux-gnu.2.17",
+                "linux64",
+                "x86_64-linux",
+                ".so",
+            ),
+            Platform(
+                "linux-aarch64",
+                "aarch64-linux-gnu.2.17",
+                "aarch64-linux",
+                "aarch64-linux",
+                ".so",
+            ),
+            Platform(
+                "windows-x86_64",
+                "x86_64-windows-gnu",
+                "win64",
+                "x86_64-windows",
+                ".dll",
+            ),
+            Platform(
+                "macos-x86_64",
+                "x86_64-macos",
+                "darwin64",
+                "x86_64-darwin",
+                ".dylib",
+            ),
+            Platform(
+                "macos-arm64",
+                "aarch64-macos",
+                "darwin64",
+                "aarch64-darwin",
+                ".dylib",
+            ),
+        )
+    }
+)
+
+
+def host_platform() -> str:
+    """Return the name of the platform this program runs on.
+
+    Raises:
+        CompileError: it is none of ``PLATFORMS``.
+    """
+    system = {"Darwin": "macos"}.get(host.system(), host.system().lower())
+    machine = host.machine().lower()
+    machine = {"amd64": "x86_64"}.get(machine, machine)
+    if system == "linux" and machine == "arm64":
+        machine = "aarch64"
+    name = f"{system}-{machine}"
+    if name not in PLATFORMS:
+        raise CompileError(f"{name}: no FMUs for this platform; there are {_known()}")
+    return name
+
+
+def compile_library(
+    identifier: str, generated: Mapping[str, str], platform: str, cache: Path
+) -> Path:
+    """Compile a model's generated sources and link them to the adapters.
+
+    Returns ``<cache>/<digest>/<identifier><suffix>``, made now or found there.
+
+    Raises:
+        CompileError: unknown platform, or the compiler is missing or fails.
+    """
+    target = _target(platform)
+    name = identifier + target.suffix
+    digest = _digest(target, {**adapter_sources(), **generated}, identifier)
+    library = cache / digest / name
+    if library.exists():
+        return library
+    objects = _adapters(target, cache)
+    with _building(cache) as folder:
+        _write(folder, {**_headers(), **generated})
+        for file in objects:
+            shutil.copyfile(file, folder / file.name)
+        inputs = source_names(generated) + [file.name for file in objects]
+        _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", name, *inputs, "-lm"], folder)
+        _publish([folder / name], library.parent)
+    return library
+
+
+def _adapters(target: Platform, cache: Path) -> list[Path]:
+    """Return the object files of the adapters, compiled now or found."""
+    sources = adapter_sources()
+    ready = cache / _digest(target, sources, "adapters")
+    names = [f"{Path(name).stem}.o" for name in source_names(sources)]
+    if not ready.exists():
+        with _building(cache) as folder:
+            _write(folder, sources)
+            # One call each: zig keeps only the first object of several.
+            for name, source in zip(names, source_names(sources), strict=True):
+                _zig_cc(target, [*FLAGS, "-c", source, "-o", name], folder)
+            _publish([folder / name for name in names], ready)
+    return [ready / name for name in names]
+
+
+def _target(platform: str) -> Platform:
+    try:
+        return PLATFORMS[platform]
+    except KeyError:
+        message = f"{platform}: no such platform; there are {_known()}"
+        raise CompileError(message) from None
+
+
+def _known() -> str:
+    return ", ".join(PLATFORMS)
+
+
+def _headers() -> dict[str, str]:
+    return {name: text for name, text in adapter_sources().items() if name[-2:] == ".h"}
+
+
+def _digest(target: Platform, sources: Mapping[str, str], *more: str) -> str:
+    parts = [target.triple, *FLAGS, compiler_version(), *more]
+    parts += [part for item in sorted(sources.items()) for part in item]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+
+
+def compiler_version() -> str:
+    """Return the version of the ziglang wheel.
+
+    Raises:
+        CompileError: it is not installed.
+    """
+    try:
+        return version("ziglang")
+    except PackageNotFoundError:
+        raise CompileError(
+            "the C compiler is missing: pip install 'feeddrive-cosim[build]'"
+        ) from None
+
+
+@contextmanager
+def _building(cache: Path) -> Iterator[Path]:
+    """Give a folder of its own inside the cache, so that renames are atomic."""
+    cache.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=cache, prefix=".building-") as folder:
+        yield Path(folder)
+
+
+def _write(folder: Path, sources: Mapping[str, str]) -> None:
+    for name, text in sources.items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+
+
+def _publish(files: Sequence[Path], folder: Path) -> None:
+    """Move files into a folder that appears at once; the first builder wins."""
+    ready = files[0].parent / ".ready"
+    ready.mkdir()
+    for file in files:
+        file.rename(ready / file.name)
+    try:
+        ready.rename(folder)
+    except OSError:
+        if not folder.exists():
+            raise
+
+
+def _zig_cc(target: Platform, arguments: Sequence[str], folder: Path) -> None:
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
+    command += arguments
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, errors="replace"
+    )
+    if done.returncode == 0:
+        return
+    tail = "\n".join(done.stderr.strip().splitlines()[-20:])
+    raise CompileError(
+        f"compiling for {target.name} failed:\n  {' '.join(command)}\n{tail}\n"
+        "If the model was traced, this is a defect of feeddrive; if the compiler "
+        "itself is damaged: pip install --force-reinstall ziglang"
+    )
+
+
+def universal_binary(slices: Mapping[str, bytes]) -> bytes:
+    """Join Mach-O files of both Mac architectures into one that serves both.
+
+    ``slices`` maps "macos-x86_64" and "macos-arm64" to files; FMI 2 has one
+    folder, darwin64, for the two.  Format: Apple, mach-o/fat.h.
+    """
+    cpu = {"macos-x86_64": (0x01000007, 3), "macos-arm64": (0x0100000C, 0)}
+    align = 14  # 16 KiB, the page of arm64
+    header = struct.pack(">II", 0xCAFEBABE, len(slices))
+    position, body = 1 << align, b""
+    for name, data in slices.items():
+        entry = (*cpu[name], position + len(body), len(data), align)
+        header += struct.pack(">5I", *entry)
+        body += data + bytes(-len(data) % (1 << align))
+    return header.ljust(position, b"\0") + body

@@ -1,0 +1,240 @@
+#include "component.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define M feeddrive_model
+#define LONGEST 1e9 /* substeps or ticks in one step; more is a mistake */
+
+static void tell(const Component *c, const char *message) {
+    if (c->log && c->callback)
+        c->log(c->environment, c->callback, c->name, STATUS_ERROR,
+               "logStatusError", message);
+}
+
+int component_refuse(Component *c, const char *format, ...) {
+    char message[512];
+    if (c->logging) {
+        int n = snprintf(message, sizeof message, "%.80s: ", c->name);
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(message + n, sizeof message - (size_t)n, format, arguments);
+        va_end(arguments);
+        tell(c, message);
+    }
+    return STATUS_ERROR;
+}
+
+static char *copy_of(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = malloc(size);
+    return copy ? memcpy(copy, text, size) : NULL;
+}
+
+/* Why there can be no such instance, or NULL. */
+static const char *objection(const char *name, const char *token,
+                             int model_exchange) {
+    if (!name || !*name)
+        return "an instance needs a name; none was given";
+    if (!token || strcmp(token, M.token) != 0)
+        return "the token (guid) is not that of this binary; take it from the "
+               "modelDescription.xml of the same FMU";
+    if (model_exchange && !M.continuous)
+        return "a sampled model has no model exchange; use co-simulation";
+    if (model_exchange && (M.advance || M.n_delays))
+        return "a model with its own integration or dead time has no model "
+               "exchange; use co-simulation";
+    return NULL;
+}
+
+Component *component_new(const char *name, const char *token, int model_exchange,
+                         int logging, Log *log, void (*callback)(void),
+                         void *environment) {
+    Component trial = {.name = (char *)(name ? name : ""),
+                       .logging = 1,
+                       .log = log,
+                       .callback = callback,
+                       .environment = environment};
+    const char *why = objection(name, token, model_exchange);
+    if (why) {
+        component_refuse(&trial, "%s is not instantiated: %s", M.identifier, why);
+        return NULL;
+    }
+    Component *c = malloc(sizeof *c);
+    if (c) {
+        *c = trial;
+        c->model_exchange = model_exchange;
+        c->logging = logging;
+        c->name = copy_of(name);
+        if (simulation_allocate(&c->simulation) && c->name) {
+            simulation_reset(&c->simulation);
+            c->simulation.state->phase = INSTANTIATED;
+            return c;
+        }
+        component_free(c);
+    }
+    component_refuse(&trial, "there is no memory for another instance");
+    return NULL;
+}
+
+void component_free(Component *c) {
+    if (!c)
+        return;
+    simulation_free(&c->simulation);
+    free(c->name);
+    free(c);
+}
+
+static const char *phase_name(int phase) {
+    switch (phase) {
+    case INSTANTIATED: return "before initialization mode";
+    case INITIALIZING: return "in initialization mode";
+    case STEPPING: return "between steps";
+    case EVENT: return "in event mode";
+    case CONTINUOUS_TIME: return "in continuous-time mode";
+    case TERMINATED: return "after terminate";
+    default: return "after a failed step (reset it, or set an earlier state)";
+    }
+}
+
+int component_may(Component *c, const char *function, int phases) {
+    if (!c)
+        return 0;
+    if (c->simulation.state->phase & phases)
+        return 1;
+    component_refuse(c, "%s is not allowed %s", function,
+                     phase_name(c->simulation.state->phase));
+    return 0;
+}
+
+int component_set_logging(Component *c, const char *function, int on,
+                          size_t n, const char *const categories[]) {
+    static const char *const known[] = {"logAll", "logStatusError",
+                                        "logStatusWarning", "logStatusDiscard",
+                                        "logStatusFatal"};
+    int errors = n == 0;
+    if (!component_may(c, function, ANY))
+        return STATUS_ERROR;
+    for (size_t i = 0; i < n; i++) {
+        const char *name = categories && categories[i] ? categories[i] : "";
+        size_t k = 0;
+        while (k < sizeof known / sizeof *known && strcmp(name, known[k]) != 0)
+            k++;
+        if (k == sizeof known / sizeof *known)
+            return component_refuse(c, "%s: there is no log category %.60s; see "
+                                       "LogCategories in modelDescription.xml",
+                                    function, name);
+        errors = errors || k < 2; /* the only messages there are */
+    }
+    c->logging = on && errors;
+    return STATUS_OK;
+}
+
+int component_set_times(Component *c, const char *function, double start,
+                        double stop) {
+    State *state = c->simulation.state;
+    if (!isfinite(start) || !(stop >= start))
+        return component_refuse(c, "%s: start time %.17g s must be finite and not "
+                                   "after the stop time %.17g s",
+                                function, start, stop);
+    state->values[M.size - 1] = state->start_time = start;
+    state->stop_time = stop;
+    return STATUS_OK;
+}
+
+int component_move(Component *c, const char *function, int from, int to) {
+    if (!component_may(c, function, from))
+        return STATUS_ERROR;
+    c->simulation.state->phase = to;
+    return STATUS_OK;
+}
+
+/* "K" or "element 3 of K", counted from 1 with rows first. */
+static const char *element(unsigned reference, char *text, size_t size) {
+    const Variable *v = M.variables + M.variable_of[reference];
+    if (v->size == 1)
+        return v->name;
+    snprintf(text, size, "element %u of %.160s", reference - v->reference + 1,
+             v->name);
+    return text;
+}
+
+static int fit_to_go_on(Component *c, const char *function) {
+    char text[200];
+    unsigned wrong = simulation_not_finite(&c->simulation);
+    if (wrong == M.size)
+        return 1;
+    const State *state = c->simulation.state;
+    component_refuse(c, "%s: %s is %g at t = %.9g s; finite values were expected",
+                     function, element(wrong, text, sizeof text),
+                     state->values[wrong], state->values[M.size - 1]);
+    return 0;
+}
+
+static int dead_times_fit(Component *c, const char *function) {
+    unsigned i = simulation_bad_delay(&c->simulation);
+    char text[200];
+    if (i == M.n_delays)
+        return 1;
+    unsigned tau = M.delays[i].dead_time;
+    component_refuse(c, "%s: dead time %s is %g s; it cannot be negative", function,
+                     element(tau, text, sizeof text),
+                     c->simulation.state->values[tau]);
+    return 0;
+}
+
+int component_exit_initialization(Component *c, const char *function) {
+    if (!component_may(c, function, INITIALIZING) || !dead_times_fit(c, function))
+        return STATUS_ERROR;
+    simulation_refresh(&c->simulation);
+    if (!fit_to_go_on(c, function))
+        return STATUS_ERROR;
+    simulation_begin(&c->simulation);
+    c->simulation.state->phase = c->model_exchange ? EVENT : STEPPING;
+    return STATUS_OK;
+}
+
+int component_reset(Component *c, const char *function) {
+    if (!component_may(c, function, ANY))
+        return STATUS_ERROR;
+    simulation_reset(&c->simulation);
+    c->simulation.state->phase = INSTANTIATED;
+    return STATUS_OK;
+}
+
+static int step_fits(Component *c, const char *function, double t, double h) {
+    const State *state = c->simulation.state;
+    double now = state->values[M.size - 1];
+    double rounding = 1e-9 * h + 8 * DBL_EPSILON * fabs(now);
+    if (!(h > 0) || !isfinite(h)) {
+        component_refuse(c, "%s: the step is %g s; it must be positive", function, h);
+    } else if (!(fabs(t - now) <= rounding)) {
+        component_refuse(c, "%s: the step begins at %.17g s, but the instance stands "
+                            "at %.17g s", function, t, now);
+    } else if (t + h > state->stop_time + rounding) {
+        component_refuse(c, "%s: the step ends at %.17g s, after the stop time "
+                            "%.17g s", function, t + h, state->stop_time);
+    } else if (simulation_effort(h) > LONGEST) {
+        component_refuse(c, "%s: a step of %g s would take %g inner steps; at most "
+                            "%g are done", function, h, simulation_effort(h), LONGEST);
+    } else {
+        return 1;
+    }
+    return 0;
+}
+
+int component_step(Component *c, const char *function, double t, double h) {
+    if (!component_may(c, function, STEPPING) || !step_fits(c, function, t, h) ||
+        !dead_times_fit(c, function))
+        return STATUS_ERROR;
+    if (!simulation_step(&c->simulation, t, h))
+        component_refuse(c, "%s: there is no memory for a delayed input", function);
+    else if (fit_to_go_on(c, function))
+        return STATUS_OK;
+    c->simulation.state->phase = FAILED;
+    return STATUS_ERROR;
+}

@@ -1,0 +1,232 @@
+/* FMI 3.0: instances, phases, states, and the steps of co-simulation.  There is
+   no event mode in co-simulation, no intermediate update, no early return. */
+#include "fmi3Functions.h"
+
+#include "component.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const char *fmi3GetVersion(void) {
+    return fmi3Version;
+}
+
+static void log_message(void *environment, void (*callback)(void),
+                        const char *instance, int status, const char *category,
+                        const char *message) {
+    ((fmi3LogMessageCallback)callback)(environment, (fmi3Status)status, category,
+                                       message);
+}
+
+fmi3Instance fmi3InstantiateModelExchange(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn,
+    fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage) {
+    return component_new(instanceName, instantiationToken, 1, loggingOn, log_message,
+                         (void (*)(void))logMessage, instanceEnvironment);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+    fmi3Boolean earlyReturnAllowed,
+    const fmi3ValueReference requiredIntermediateVariables[],
+    size_t nRequiredIntermediateVariables,
+    fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+    fmi3IntermediateUpdateCallback intermediateUpdate) {
+    Component *c = component_new(instanceName, instantiationToken, 0, 1, log_message,
+                                 (void (*)(void))logMessage, instanceEnvironment);
+    if (!c)
+        return NULL;
+    if (eventModeUsed || nRequiredIntermediateVariables) {
+        component_refuse(c, "fmi3InstantiateCoSimulation: event mode and intermediate "
+                            "variables are not supported; instantiate without");
+        component_free(c);
+        return NULL;
+    }
+    c->logging = loggingOn;
+    return c;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn,
+    fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
+    fmi3ClockUpdateCallback clockUpdate, fmi3LockPreemptionCallback lockPreemption,
+    fmi3UnlockPreemptionCallback unlockPreemption) {
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError",
+                   "fmi3InstantiateScheduledExecution is not supported; use "
+                   "co-simulation");
+    return NULL;
+}
+
+void fmi3FreeInstance(fmi3Instance instance) {
+    component_free(instance);
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn,
+                               size_t nCategories, const fmi3String categories[]) {
+    return component_set_logging(instance, "fmi3SetDebugLogging", loggingOn,
+                                 nCategories, categories);
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance,
+                                       fmi3Boolean toleranceDefined,
+                                       fmi3Float64 tolerance, fmi3Float64 startTime,
+                                       fmi3Boolean stopTimeDefined,
+                                       fmi3Float64 stopTime) {
+    const char *function = "fmi3EnterInitializationMode";
+    if (!component_may(instance, function, INSTANTIATED) ||
+        component_set_times(instance, function, startTime,
+                            stopTimeDefined ? stopTime : INFINITY) != STATUS_OK)
+        return fmi3Error;
+    return component_move(instance, function, INSTANTIATED, INITIALIZING);
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    return component_exit_initialization(instance, "fmi3ExitInitializationMode");
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    return component_move(instance, "fmi3Terminate", RUNNING, TERMINATED);
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    return component_reset(instance, "fmi3Reset");
+}
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    return snapshot_take(instance, "fmi3GetFMUState", FMUState);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState) {
+    return snapshot_restore(instance, "fmi3SetFMUState", FMUState);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState) {
+    return snapshot_release(instance, "fmi3FreeFMUState", FMUState);
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState,
+                                      size_t *size) {
+    return snapshot_size(instance, "fmi3SerializedFMUStateSize", FMUState, size);
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState,
+                                 fmi3Byte serializedState[], size_t size) {
+    return snapshot_write(instance, "fmi3SerializeFMUState", FMUState,
+                          serializedState, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance,
+                                   const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState) {
+    return snapshot_read(instance, "fmi3DeserializeFMUState", serializedState, size,
+                         FMUState);
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
+                      fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                      fmi3Boolean *eventHandlingNeeded,
+                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn,
+                      fmi3Float64 *lastSuccessfulTime) {
+    int status = component_step(instance, "fmi3DoStep", currentCommunicationPoint,
+                                communicationStepSize);
+    if (eventHandlingNeeded)
+        *eventHandlingNeeded = fmi3False;
+    if (terminateSimulation)
+        *terminateSimulation = fmi3False;
+    if (earlyReturn)
+        *earlyReturn = fmi3False;
+    if (lastSuccessfulTime && instance)
+        *lastSuccessfulTime = component_values(instance)[feeddrive_model.size - 1];
+    return (fmi3Status)status;
+}
+
+/* Model exchange: the equations are continuous and have no events. */
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    return component_move(instance, "fmi3EnterEventMode", EXCHANGING, EVENT);
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
+                                    fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation,
+                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged,
+                                    fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime) {
+    if (!component_may(instance, "fmi3UpdateDiscreteStates", EVENT))
+        return fmi3Error;
+    *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
+    *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
+    *nextEventTimeDefined = fmi3False;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+    return component_move(instance, "fmi3EnterContinuousTimeMode", EVENT,
+                          CONTINUOUS_TIME);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
+                                       fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode,
+                                       fmi3Boolean *terminateSimulation) {
+    if (!component_may(instance, "fmi3CompletedIntegratorStep", CONTINUOUS_TIME))
+        return fmi3Error;
+    *enterEventMode = *terminateSimulation = fmi3False;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+    return component_set_time(instance, "fmi3SetTime", time);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance,
+                                   const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates) {
+    return component_set_states(instance, "fmi3SetContinuousStates",
+                                continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance,
+                                             fmi3Float64 derivatives[],
+                                             size_t nContinuousStates) {
+    return component_get_block(instance, "fmi3GetContinuousStateDerivatives",
+                               feeddrive_model.der_x, derivatives,
+                               nContinuousStates);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance,
+                                   fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates) {
+    return component_get_block(instance, "fmi3GetContinuousStates",
+                               feeddrive_model.x, continuousStates,
+                               nContinuousStates);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance,
+                                             fmi3Float64 nominals[],
+                                             size_t nContinuousStates) {
+    return component_get_nominals(instance, "fmi3GetNominalsOfContinuousStates",
+                                  nominals, nContinuousStates);
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance,
+                                           size_t *nContinuousStates) {
+    if (!component_may(instance, "fmi3GetNumberOfContinuousStates", SOUND))
+        return fmi3Error;
+    *nContinuousStates = feeddrive_model.n_x;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance,
+                                          size_t *nEventIndicators) {
+    if (!component_may(instance, "fmi3GetNumberOfEventIndicators", SOUND))
+        return fmi3Error;
+    *nEventIndicators = 0;
+    return fmi3OK;
+}

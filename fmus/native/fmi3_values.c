@@ -1,0 +1,124 @@
+/* FMI 3.0: getting and setting.  A value reference names a whole variable and
+   takes as many values as that has elements, rows first. */
+#include "fmi3Functions.h"
+
+#include "component.h"
+
+/* The variable of a reference if it has room in the values that are left. */
+static const Variable *whole(Component *c, const char *function,
+                             fmi3ValueReference reference, int boolean,
+                             size_t left) {
+    const Variable *v = component_find(c, function, reference, boolean);
+    if (!v)
+        return NULL;
+    if (v->reference != reference) {
+        component_refuse(c, "%s: value reference %u lies inside %s, which has %u",
+                         function, (unsigned)reference, v->name, v->reference);
+        return NULL;
+    }
+    if (v->size > left) {
+        component_refuse(c, "%s: %s has %u values, but only %lu were given", function,
+                         v->name, v->size, (unsigned long)left);
+        return NULL;
+    }
+    return v;
+}
+
+static unsigned size_of(fmi3ValueReference reference) {
+    return feeddrive_model.variables[feeddrive_model.variable_of[reference]].size;
+}
+
+static fmi3Status all_used(Component *c, const char *function, size_t left) {
+    if (!left)
+        return fmi3OK;
+    return component_refuse(c, "%s: %lu values more than the variables have",
+                            function, (unsigned long)left);
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance,
+                          const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, fmi3Float64 values[],
+                          size_t nValues) {
+    const char *function = "fmi3GetFloat64";
+    if (!component_may(instance, function, ANY))
+        return fmi3Error;
+    const double *from = component_values(instance);
+    for (size_t i = 0; i < nValueReferences; i++) {
+        const Variable *v = whole(instance, function, valueReferences[i], 0, nValues);
+        if (!v)
+            return fmi3Error;
+        for (unsigned k = 0; k < v->size; k++)
+            *values++ = from[v->reference + k];
+        nValues -= v->size;
+    }
+    return all_used(instance, function, nValues);
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance,
+                          const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, const fmi3Float64 values[],
+                          size_t nValues) {
+    const char *function = "fmi3SetFloat64";
+    const fmi3Float64 *next = values;
+    if (!component_may(instance, function, SOUND))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        const Variable *v = whole(instance, function, valueReferences[i], 0, nValues);
+        if (!v || !component_may_set(instance, function, v, next, v->size))
+            return fmi3Error;
+        next += v->size;
+        nValues -= v->size;
+    }
+    if (all_used(instance, function, nValues) != fmi3OK)
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        unsigned size = size_of(valueReferences[i]);
+        component_set(instance, valueReferences[i], values, size);
+        values += size;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetBoolean(fmi3Instance instance,
+                          const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, fmi3Boolean values[],
+                          size_t nValues) {
+    const char *function = "fmi3GetBoolean";
+    if (!component_may(instance, function, ANY))
+        return fmi3Error;
+    const double *from = component_values(instance);
+    for (size_t i = 0; i < nValueReferences; i++) {
+        const Variable *v = whole(instance, function, valueReferences[i], 1, nValues);
+        if (!v)
+            return fmi3Error;
+        for (unsigned k = 0; k < v->size; k++)
+            *values++ = from[v->reference + k] != 0;
+        nValues -= v->size;
+    }
+    return all_used(instance, function, nValues);
+}
+
+fmi3Status fmi3SetBoolean(fmi3Instance instance,
+                          const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, const fmi3Boolean values[],
+                          size_t nValues) {
+    const char *function = "fmi3SetBoolean";
+    if (!component_may(instance, function, SOUND))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        const Variable *v = whole(instance, function, valueReferences[i], 1, nValues);
+        if (!v || !component_may_set(instance, function, v, NULL, 0))
+            return fmi3Error;
+        nValues -= v->size;
+    }
+    if (all_used(instance, function, nValues) != fmi3OK)
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        unsigned size = size_of(valueReferences[i]);
+        for (unsigned k = 0; k < size; k++) {
+            double number = *values++ ? 1.0 : 0.0;
+            component_set(instance, valueReferences[i] + k, &number, 1);
+        }
+    }
+    return fmi3OK;
+}

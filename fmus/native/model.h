@@ -1,0 +1,56 @@
+/* What the generated model_data.c tells the adapters about one model.
+
+   All values of an instance lie in one vector; a value reference is an index:
+
+       parameters | inputs | outputs | states | derivatives | T_s | time
+
+   Equations are CasADi functions; an argument or result they do not need is
+   NULL:
+
+       prepare(p, T_s) -> d
+       step(x, u, p, d, T_s) -> (x_next, y)      sampled
+       derivative(x, u, p, d) -> der_x           continuous
+       output(x, u, p, d) -> y                   continuous
+       advance(x, u, p, d, h) -> x_next          continuous, or NULL */
+#ifndef MODEL_H
+#define MODEL_H
+
+typedef int Equation(const double **arg, double **res, long long *iw,
+                     double *w, int mem);
+
+typedef enum { PARAMETER, INPUT, OUTPUT, STATE, DERIVATIVE, PERIOD, TIME } Block;
+
+typedef struct {
+    const char *name;
+    unsigned reference; /* of the first element */
+    unsigned size;      /* number of elements, rows first */
+    Block block;
+    int boolean, constant, fixed;
+} Variable;
+
+/* One delayed element of an input and the parameter with its dead time (s). */
+typedef struct {
+    unsigned input, dead_time;
+} Delay;
+
+typedef struct {
+    const char *identifier, *token;
+    const Variable *variables;
+    const unsigned *variable_of; /* index into variables, per reference */
+    const double *start;         /* per reference */
+    const double *nominal;       /* per state */
+    unsigned size;               /* of the vector, time included */
+    unsigned u, y, x, der_x, T_s; /* first reference of each block */
+    unsigned n_u, n_y, n_x, n_d;
+    int continuous;
+    double h_max;                     /* longest substep (s); continuous */
+    long long period_num, period_den; /* T_s as a fraction (s); sampled */
+    const Delay *delays;
+    unsigned n_delays;
+    Equation *prepare, *step, *derivative, *output, *advance;
+    unsigned sz_arg, sz_res, sz_iw, sz_w; /* work vectors of the equations */
+} Model;
+
+extern const Model feeddrive_model;
+
+#endif

@@ -1,0 +1,227 @@
+#include "simulation.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define M feeddrive_model
+
+size_t state_size(void) {
+    return sizeof(State) + (M.size + M.n_d) * sizeof(double);
+}
+
+/* calloc that gives a pointer also for nothing. */
+static void *some(size_t n, size_t size) {
+    return calloc(n ? n : 1, size);
+}
+
+int simulation_allocate(Simulation *s) {
+    s->state = calloc(1, state_size());
+    s->lines = some(M.n_delays, sizeof *s->lines);
+    s->u = some(M.n_u, sizeof *s->u);
+    s->x = some(M.n_x, sizeof *s->x);
+    s->k = some(4 * (size_t)M.n_x, sizeof *s->k);
+    s->arg = some(M.sz_arg, sizeof *s->arg);
+    s->res = some(M.sz_res, sizeof *s->res);
+    s->iw = some(M.sz_iw, sizeof *s->iw);
+    s->w = some(M.sz_w, sizeof *s->w);
+    return s->state && s->lines && s->u && s->x && s->k && s->arg && s->res &&
+           s->iw && s->w;
+}
+
+void simulation_free(Simulation *s) {
+    for (unsigned i = 0; s->lines && i < M.n_delays; i++)
+        delay_free(s->lines + i);
+    free(s->state);
+    free(s->lines);
+    free(s->u);
+    free(s->x);
+    free(s->k);
+    free(s->arg);
+    free(s->res);
+    free(s->iw);
+    free(s->w);
+}
+
+void simulation_reset(Simulation *s) {
+    memset(s->state, 0, state_size());
+    memcpy(s->state->values, M.start, M.size * sizeof(double));
+    s->state->stop_time = INFINITY;
+    s->state->derived_stale = s->state->outputs_stale = 1;
+    simulation_begin(s);
+}
+
+/* Evaluate equation(x, u, p, d, extra) -> (first, second). */
+static void evaluate(Simulation *s, Equation *equation, const double *x,
+                     const double *u, const double *extra, double *first,
+                     double *second) {
+    s->arg[0] = x;
+    s->arg[1] = u;
+    s->arg[2] = s->state->values;
+    s->arg[3] = s->state->values + M.size;
+    if (extra)
+        s->arg[4] = extra;
+    s->res[0] = first;
+    if (second || !M.continuous)
+        s->res[1] = second;
+    equation(s->arg, s->res, s->iw, s->w, 0);
+}
+
+static void prepare(Simulation *s) {
+    if (!s->state->derived_stale)
+        return;
+    s->arg[0] = s->state->values;
+    s->arg[1] = M.continuous ? NULL : s->state->values + M.T_s;
+    s->res[0] = s->state->values + M.size;
+    M.prepare(s->arg, s->res, s->iw, s->w, 0);
+    s->state->derived_stale = 0;
+}
+
+/* Outputs and derivatives of the present states with inputs u. */
+static void compute_outputs(Simulation *s, const double *u) {
+    double *v = s->state->values;
+    if (M.continuous) {
+        evaluate(s, M.derivative, v + M.x, u, NULL, v + M.der_x, NULL);
+        evaluate(s, M.output, v + M.x, u, NULL, v + M.y, NULL);
+    } else {
+        evaluate(s, M.step, v + M.x, u, v + M.T_s, NULL, v + M.y);
+    }
+    s->state->outputs_stale = 0;
+}
+
+void simulation_refresh(Simulation *s) {
+    if (!s->state->outputs_stale)
+        return;
+    prepare(s);
+    compute_outputs(s, s->state->values + M.u);
+}
+
+void simulation_begin(Simulation *s) {
+    for (unsigned i = 0; i < M.n_delays; i++)
+        delay_reset(s->lines + i, s->state->values[M.delays[i].input]);
+}
+
+/* x + c k into trial. */
+static void ahead(const double *x, double c, const double *k, double *trial) {
+    for (unsigned i = 0; i < M.n_x; i++)
+        trial[i] = x[i] + c * k[i];
+}
+
+static void runge_kutta(Simulation *s, const double *u, double h) {
+    double *x = s->state->values + M.x, *trial = s->x;
+    double *k1 = s->k, *k2 = k1 + M.n_x, *k3 = k2 + M.n_x, *k4 = k3 + M.n_x;
+    evaluate(s, M.derivative, x, u, NULL, k1, NULL);
+    ahead(x, h / 2, k1, trial);
+    evaluate(s, M.derivative, trial, u, NULL, k2, NULL);
+    ahead(x, h / 2, k2, trial);
+    evaluate(s, M.derivative, trial, u, NULL, k3, NULL);
+    ahead(x, h, k3, trial);
+    evaluate(s, M.derivative, trial, u, NULL, k4, NULL);
+    for (unsigned i = 0; i < M.n_x; i++)
+        x[i] = x[i] + h / 6 * k1[i] + h / 3 * k2[i] + h / 3 * k3[i] +
+               h / 6 * k4[i];
+}
+
+static double substeps(double h) {
+    return fmax(1.0, ceil(h / M.h_max - 1e-6));
+}
+
+static void integrate(Simulation *s, const double *u, double h) {
+    long long n = (long long)substeps(h);
+    double dt = h / (double)n, *x = s->state->values + M.x;
+    for (long long i = 0; i < n; i++) {
+        if (M.advance) {
+            evaluate(s, M.advance, x, u, &dt, s->x, NULL);
+            memcpy(x, s->x, M.n_x * sizeof(double));
+        } else {
+            runge_kutta(s, u, dt);
+        }
+    }
+}
+
+/* Deliver what arrives at or before now (relative to t) to the delayed inputs;
+   return when the next change arrives, or end if none does before. */
+static double deliver(Simulation *s, double t, double now, double end) {
+    for (unsigned i = 0; i < M.n_delays; i++) {
+        DelayLine *line = s->lines + i;
+        double tau = s->state->values[M.delays[i].dead_time];
+        const Change *next;
+        while ((next = delay_next(line)) && next->time + tau - t <= now)
+            delay_arrive(line);
+        s->u[M.delays[i].input - M.u] = line->value;
+        if (next)
+            end = fmin(end, next->time + tau - t);
+    }
+    return end;
+}
+
+/* Integrate from one arrival of a delayed input to the next.  Times nearer to
+   an end of the step than rounding count as that end; what arrives at the end
+   acts from the next step on, as an input set there would. */
+static int continuous_step(Simulation *s, double t, double h) {
+    const double *v = s->state->values, *u = v + M.u;
+    const double near = 1e-9 * h + 4 * DBL_EPSILON * fabs(t);
+    for (unsigned i = 0; i < M.n_delays; i++)
+        if (!delay_enter(s->lines + i, t, v[M.delays[i].input]))
+            return 0;
+    if (M.n_delays) {
+        memcpy(s->u, u, M.n_u * sizeof(double));
+        u = s->u;
+    }
+    for (double from = 0, to; from < h; from = to) {
+        to = deliver(s, t, from + near, h);
+        if (to >= h - near)
+            to = h;
+        integrate(s, u, to - from);
+    }
+    compute_outputs(s, u);
+    return 1;
+}
+
+static double tick_time(const State *state) {
+    return state->start_time +
+           (double)(state->tick * M.period_num) / (double)M.period_den;
+}
+
+static void sampled_step(Simulation *s, double t, double h) {
+    double *v = s->state->values, T_s = v[M.T_s];
+    while (tick_time(s->state) < t + h - 1e-6 * T_s) {
+        evaluate(s, M.step, v + M.x, v + M.u, v + M.T_s, s->x, v + M.y);
+        memcpy(v + M.x, s->x, M.n_x * sizeof(double));
+        s->state->tick++;
+    }
+}
+
+double simulation_effort(double h) {
+    return M.continuous
+               ? substeps(h)
+               : h * (double)M.period_den / (double)M.period_num;
+}
+
+int simulation_step(Simulation *s, double t, double h) {
+    prepare(s);
+    if (M.continuous) {
+        if (!continuous_step(s, t, h))
+            return 0;
+    } else {
+        sampled_step(s, t, h);
+    }
+    s->state->values[M.size - 1] = t + h;
+    return 1;
+}
+
+unsigned simulation_not_finite(const Simulation *s) {
+    const double *v = s->state->values;
+    for (unsigned i = M.y; i < M.x + M.n_x; i++)
+        if (!isfinite(v[i]))
+            return i;
+    return M.size;
+}
+
+unsigned simulation_bad_delay(const Simulation *s) {
+    unsigned i = 0;
+    while (i < M.n_delays && s->state->values[M.delays[i].dead_time] >= 0)
+        i++;
+    return i;
+}

@@ -1,0 +1,65 @@
+/* One instance of the model: its numbers and how they move in time.
+
+   Continuous: doStep integrates with n = max(1, ceil(h/h_max - 1e-6)) equal
+   Runge-Kutta substeps (or the model's advance), cut where a delayed input
+   changes; outputs and derivatives are then those at the new time with the
+   inputs of the step.  Sampled: tick j runs in the step that ends after
+   start + j*T_s; several ticks may fall into one step, or none.
+
+   Outside stepping, outputs follow whatever is set, computed when asked for:
+   those of output(), or of step() with the state left as it is.  Everything an
+   FMU state must hold is in State and in the delay lines. */
+#ifndef SIMULATION_H
+#define SIMULATION_H
+
+#include "delay.h"
+#include "model.h"
+
+typedef struct {
+    double start_time, stop_time; /* s; stop_time is infinite if undefined */
+    long long tick;               /* the next one to run */
+    int phase;                    /* of the component's state machine */
+    int derived_stale;            /* prepare must run before the next equation */
+    int outputs_stale;            /* outputs and derivatives are to be computed */
+    double values[];              /* as in model.h, followed by d */
+} State;
+
+typedef struct {
+    State *state;
+    DelayLine *lines;         /* one per model.delays */
+    double *u, *x, *k;        /* delayed inputs, trial states, 4 slopes */
+    const double **arg;
+    double **res;
+    long long *iw;
+    double *w;
+} Simulation;
+
+/* Bytes of a State. */
+size_t state_size(void);
+
+/* Allocate; returns 0 if there is no memory (then call simulation_free). */
+int simulation_allocate(Simulation *s);
+void simulation_free(Simulation *s);
+
+/* Put every value back to its start. */
+void simulation_reset(Simulation *s);
+
+/* Compute derived values, outputs and derivatives if something was set. */
+void simulation_refresh(Simulation *s);
+
+/* Begin stepping: delayed inputs have always had their present value. */
+void simulation_begin(Simulation *s);
+
+/* Number of substeps or ticks a step of h takes, as a double: may be huge. */
+double simulation_effort(double h);
+
+/* Step from t to t + h; returns 0 if memory for a delay line is exhausted. */
+int simulation_step(Simulation *s, double t, double h);
+
+/* Reference of the first state or output that is not finite, or model.size. */
+unsigned simulation_not_finite(const Simulation *s);
+
+/* Index of the first delay whose dead time is negative, or model.n_delays. */
+unsigned simulation_bad_delay(const Simulation *s);
+
+#endif

@@ -1,0 +1,151 @@
+#include "component.h"
+
+#include <math.h>
+#include <string.h>
+
+#define M feeddrive_model
+
+const Variable *component_find(Component *c, const char *function,
+                               unsigned reference, int boolean) {
+    if (reference >= M.size) {
+        component_refuse(c, "%s: there is no variable with value reference %u; the "
+                            "largest is %u", function, reference, M.size - 1);
+        return NULL;
+    }
+    const Variable *v = M.variables + M.variable_of[reference];
+    if (v->boolean == boolean)
+        return v;
+    component_refuse(c, "%s: %s is a %s variable", function, v->name,
+                     v->boolean ? "Boolean" : "floating-point");
+    return NULL;
+}
+
+/* Phases in which a variable can be set, and why not in others. */
+static int settable(const Variable *v, const char **why) {
+    const int before = INSTANTIATED | INITIALIZING;
+    if (v->constant || v->block == PERIOD) {
+        *why = "it is a constant";
+        return 0;
+    }
+    switch (v->block) {
+    case INPUT:
+        return before | RUNNING;
+    case PARAMETER:
+        *why = v->fixed ? "it is a fixed parameter, to be set before or during "
+                          "initialization"
+                        : "tunable parameters are set before initialization ends, "
+                          "between steps or in event mode";
+        return v->fixed ? before : before | STEPPING | EVENT;
+    case STATE:
+        *why = "states are set before or during initialization";
+        return before;
+    case TIME:
+        *why = "it is the time";
+        return 0;
+    default:
+        *why = "it is computed by the model";
+        return 0;
+    }
+}
+
+int component_may_set(Component *c, const char *function,
+                      const Variable *variable, const double *values, size_t n) {
+    const char *why = "the simulation is over";
+    if (!(settable(variable, &why) & c->simulation.state->phase)) {
+        component_refuse(c, "%s: %s cannot be set now: %s", function, variable->name,
+                         why);
+        return 0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(values[i])) {
+            component_refuse(c, "%s: %s cannot be %g; a finite value was expected",
+                             function, variable->name, values[i]);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+void component_set(Component *c, unsigned reference, const double *values,
+                   size_t n) {
+    State *state = c->simulation.state;
+    memcpy(state->values + reference, values, n * sizeof(double));
+    if (reference < M.u)
+        state->derived_stale = 1;
+    if (state->phase != STEPPING)
+        state->outputs_stale = 1;
+}
+
+const double *component_values(Component *c) {
+    if (c->simulation.state->phase & (INSTANTIATED | INITIALIZING | EXCHANGING))
+        simulation_refresh(&c->simulation);
+    return c->simulation.state->values;
+}
+
+int component_no_type(Component *c, const char *function, size_t n,
+                      unsigned reference) {
+    if (!component_may(c, function, ANY))
+        return STATUS_ERROR;
+    if (n == 0)
+        return STATUS_OK;
+    if (reference >= M.size)
+        return component_refuse(c, "%s: there is no variable with value reference %u",
+                                function, reference);
+    const Variable *v = M.variables + M.variable_of[reference];
+    return component_refuse(c, "%s: %s is a %s variable", function, v->name,
+                            v->boolean ? "Boolean" : "64-bit floating-point");
+}
+
+int component_set_time(Component *c, const char *function, double time) {
+    if (!component_may(c, function, EXCHANGING))
+        return STATUS_ERROR;
+    if (!isfinite(time))
+        return component_refuse(c, "%s: time cannot be %g", function, time);
+    c->simulation.state->values[M.size - 1] = time;
+    return STATUS_OK;
+}
+
+static int counts(Component *c, const char *function, size_t n) {
+    if (n == M.n_x)
+        return 1;
+    component_refuse(c, "%s: %s has %u continuous states, not %lu", function,
+                     M.identifier, M.n_x, (unsigned long)n);
+    return 0;
+}
+
+int component_set_states(Component *c, const char *function, const double *x,
+                         size_t n) {
+    if (!component_may(c, function, CONTINUOUS_TIME) || !counts(c, function, n))
+        return STATUS_ERROR;
+    for (unsigned i = 0; i < n; i++)
+        if (!isfinite(x[i]))
+            return component_refuse(
+                c, "%s: %s cannot be %g; a finite value was expected", function,
+                M.variables[M.variable_of[M.x + i]].name, x[i]);
+    memcpy(c->simulation.state->values + M.x, x, n * sizeof(double));
+    c->simulation.state->outputs_stale = 1;
+    return STATUS_OK;
+}
+
+int component_get_block(Component *c, const char *function, unsigned first,
+                        double *values, size_t n) {
+    if (!component_may(c, function, INITIALIZING | EXCHANGING | TERMINATED) ||
+        !counts(c, function, n))
+        return STATUS_ERROR;
+    memcpy(values, component_values(c) + first, n * sizeof(double));
+    for (unsigned i = 0; i < n; i++)
+        if (!isfinite(values[i]))
+            return component_refuse(c, "%s: %s is %g; a finite value was expected",
+                                    function,
+                                    M.variables[M.variable_of[first + i]].name,
+                                    values[i]);
+    return STATUS_OK;
+}
+
+int component_get_nominals(Component *c, const char *function, double *nominal,
+                           size_t n) {
+    if (!component_may(c, function, SOUND) || !counts(c, function, n))
+        return STATUS_ERROR;
+    memcpy(nominal, M.nominal, n * sizeof(double));
+    return STATUS_OK;
+}

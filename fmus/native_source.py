@@ -1,0 +1,168 @@
+"""The C sources of a native FMU: hand-written adapters and one generated file.
+
+``fmus/native`` holds the FMI functions and the integration, the same for every
+model.  ``model_data.c`` holds the compiled equations and a table of what the
+adapters must know about them (``model.h`` declares it).
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from fmus.layout import Layout, Variable
+from fmus.model import Continuous, Model
+from fmus.trace import Traced, c_code
+
+NATIVE = Path(__file__).with_name("native")
+MODEL_DATA = "model_data.c"
+
+_BLOCKS = {
+    "parameter": "PARAMETER",
+    "input": "INPUT",
+    "output": "OUTPUT",
+    "state": "STATE",
+    "derivative": "DERIVATIVE",
+    "period": "PERIOD",
+}
+_QUIET = """\
+/* Local, so that models linked into one program do not meet. */
+#define CASADI_SYMBOL_EXPORT static
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+"""
+
+
+def adapter_sources() -> dict[str, str]:
+    """Return the hand-written C files and headers by name."""
+    files = sorted(NATIVE.glob("*.[ch]"))
+    return {file.name: file.read_text(encoding="utf-8") for file in files}
+
+
+def native_sources(
+    model: Model, traced: Traced, layout: Layout, identifier: str, token: str
+) -> dict[str, str]:
+    """Return the generated C files by name: equations and data of one model.
+
+    ``token`` is what an importer must show to instantiate it (FMI 2: guid).
+
+    Raises:
+        ValueError: a delay names no input or parameter, or their sizes differ.
+    """
+    parts = [
+        _QUIET,
+        c_code(model, traced),
+        '#include "model.h"\n',
+        *_tables(model, layout),
+        _model(model, traced, layout, identifier, token),
+    ]
+    return {MODEL_DATA: "\n".join(parts)}
+
+
+def _tables(model: Model, layout: Layout) -> list[str]:
+    variables = [_variable(v) for v in layout.variables]
+    variables.append(f'{{"time", {layout.size}, 1, TIME, 0, 0, 0}}')
+    owner = [i for i, v in enumerate(layout.variables) for _ in range(v.size)]
+    start = [x for v in layout.variables for x in v.start or (0.0,) * v.size]
+    nominal = [
+        v.var.nominal or 1.0 for v in layout.block("state") for _ in range(v.size)
+    ]
+    delays = [f"{{{u}, {tau}}}" for u, tau in _delays(model, layout)]
+    return [
+        _array("Variable", "variables", variables),
+        _array(
+            "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
+        ),
+        _array("double", "start", map(_number, [*start, 0.0])),
+        _array("double", "nominal", map(_number, nominal or [1.0])),
+        _array("Delay", "delays", delays or ["{0, 0}"]),
+    ]
+
+
+def _variable(v: Variable) -> str:
+    flags = (v.boolean, v.var.constant, v.var.fixed)
+    fields = [_text(v.name), str(v.reference), str(v.size), _BLOCKS[v.block]]
+    return "{" + ", ".join([*fields, *(str(int(flag)) for flag in flags)]) + "}"
+
+
+def _delays(model: Model, layout: Layout) -> list[tuple[int, int]]:
+    """Return the references of each delayed input element and its dead time."""
+    pairs = []
+    delay = model.delay if isinstance(model, Continuous) else {}
+    for input_name, parameter_name in delay.items():
+        u = _named(model, layout, "input", input_name)
+        tau = _named(model, layout, "parameter", parameter_name)
+        if tau.size not in (1, u.size):
+            raise ValueError(
+                f"{model.name}: dead time {tau.name!r} has {tau.size} elements, "
+                f"input {u.name!r} has {u.size}; give one for all or one for each"
+            )
+        for i in range(u.size):
+            pairs.append((u.reference + i, tau.reference + (i if tau.size > 1 else 0)))
+    return pairs
+
+
+def _named(model: Model, layout: Layout, block: str, name: str) -> Variable:
+    for variable in layout.variables:
+        if variable.block == block and variable.name == name:
+            return variable
+    raise ValueError(f"{model.name}: delay names {name!r}, which is no {block}")
+
+
+def _model(
+    model: Model, traced: Traced, layout: Layout, identifier: str, token: str
+) -> str:
+    functions = traced.functions.values()
+    offset, count = layout.offset, layout.count
+    continuous = isinstance(model, Continuous)
+    period = (
+        (0, 1) if isinstance(model, Continuous) else model.period.as_integer_ratio()
+    )
+    fields = {
+        "identifier": _text(identifier),
+        "token": _text(token),
+        "variables": "variables",
+        "variable_of": "variable_of",
+        "start": "start",
+        "nominal": "nominal",
+        "size": layout.size + 1,
+        "u": offset["input"],
+        "y": offset["output"],
+        "x": offset["state"],
+        "der_x": offset["derivative"],
+        "T_s": offset["period"],
+        "n_u": count["input"],
+        "n_y": count["output"],
+        "n_x": count["state"],
+        "n_d": traced.derived_size,
+        "continuous": int(continuous),
+        "h_max": _number(model.h_max if isinstance(model, Continuous) else 0.0),
+        "period_num": period[0],
+        "period_den": period[1],
+        "delays": "delays",
+        "n_delays": len(_delays(model, layout)),
+        **{name: name for name in traced.functions},
+        "sz_arg": max(f.sz_arg() for f in functions),
+        "sz_res": max(f.sz_res() for f in functions),
+        "sz_iw": max(f.sz_iw() for f in functions),
+        "sz_w": max(f.sz_w() for f in functions),
+    }
+    lines = [f"    .{name} = {value}," for name, value in fields.items()]
+    return "\n".join(["const Model feeddrive_model = {", *lines, "};\n"])
+
+
+def _array(kind: str, name: str, elements: Iterable[str]) -> str:
+    body = "".join(f"    {element},\n" for element in elements)
+    return f"static const {kind} {name}[] = {{\n{body}}};\n"
+
+
+def _text(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _number(value: float) -> str:
+    return repr(float(value))
+
+
+def source_names(sources: Mapping[str, str]) -> list[str]:
+    """Return which of the files a compiler is to be given, headers left out."""
+    return sorted(name for name in sources if name.endswith(".c"))
