@@ -51,8 +51,12 @@ class Variable:
             return
         indices = product(*(range(1, n + 1) for n in self.shape))
         for offset, index in enumerate(indices):
-            written = ",".join(map(str, index))
-            yield f"{self.name}[{written}]", self.reference + offset
+            written = f"[{','.join(map(str, index))}]"
+            if self.of_state is None:
+                name = f"{self.name}{written}"
+            else:  # the index belongs to the state: der(state.v[1])
+                name = f"{self.name[:-1]}{written})"
+            yield name, self.reference + offset
 
 
 @dataclass(frozen=True)
@@ -134,7 +138,7 @@ def _period(model: Model) -> Leaf:
 
 def per_second(unit: str) -> str:
     """Return the unit of a time derivative, as models write units."""
-    return "1/s" if unit == "1" else f"({unit})/s"
+    return f"({unit})/s" if {".", "/"} & set(unit) else f"{unit}/s"
 
 
 def _refuse_twins(model: Model, variables: list[Variable]) -> None:

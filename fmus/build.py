@@ -1,0 +1,146 @@
+"""From the name of a model module to an FMU file, built once and then cached.
+
+The cache (the user's, or FEEDDRIVE_CACHE) is keyed by the sources of the model
+and of ``fmus``, the versions of the tools and the options; a hit imports neither
+the model nor a tool.  Files appear in it whole or not at all, so that several
+processes may build at once.
+"""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+
+import platformdirs
+
+from fmus.closure import files_digest, module_name
+from fmus.compile import PLATFORMS, host_platform
+from fmus.load import PACKAGE, BuildError, load_model, sources
+
+if TYPE_CHECKING:
+    from fmus.subject import Fmi
+
+__all__ = ["BuildError", "FmuKind", "build", "cache_folder", "load_model"]
+
+FmuKind: TypeAlias = Literal["native", "python"]
+TOOLS: Mapping[FmuKind, tuple[str, ...]] = {
+    "native": ("feeddrive-cosim", "casadi", "ziglang"),
+    "python": ("feeddrive-cosim", "casadi", "pythonfmu"),
+}
+
+
+def build(
+    module: str,
+    *,
+    kind: FmuKind = "native",
+    fmi: "Fmi" = 2,
+    period: Fraction | None = None,
+    platforms: Sequence[str] | None = None,
+    folder: Path | None = None,
+) -> Path:
+    """Return an FMU of ``module.model``, from the cache if it is there.
+
+    ``module`` is a dotted name or the path of a model file.  ``period`` (s)
+    replaces that of a sampled model.  ``platforms`` default to the host's; those
+    of Python FMUs are pythonfmu's.  With ``folder`` the file is copied there.
+
+    Raises:
+        BuildError: the options do not go together, or the module is missing, has
+            no model, or one that cannot be traced or compiled.
+    """
+    chosen = _platforms(kind, fmi, period, platforms)
+    files = sources(module)
+    rate = f"-{period.numerator}_{period.denominator}" if period else ""
+    key = _key(files, kind, fmi, period, chosen)
+    place = cache_folder() / "fmus" / f"{module_name(module)}-{kind}{fmi}{rate}-{key}"
+    fmu = next(place.glob("*.fmu"), None)
+    if fmu is None:
+        from fmus.package import native_contents, python_contents, subject_of
+
+        subject = subject_of(module, period)
+        if kind == "native":
+            cache = cache_folder() / "libraries"
+            contents = native_contents(subject, fmi, chosen, cache)
+        else:
+            contents = python_contents(subject, module)
+        fmu = _keep(contents, f"{subject.model.name}.fmu", place)
+    if folder is None:
+        return fmu
+    folder.mkdir(parents=True, exist_ok=True)
+    return Path(shutil.copyfile(fmu, folder / fmu.name))
+
+
+def cache_folder() -> Path:
+    """Return the folder of built FMUs and libraries."""
+    chosen = os.environ.get("FEEDDRIVE_CACHE")
+    return Path(chosen) if chosen else platformdirs.user_cache_path("feeddrive")
+
+
+def _platforms(
+    kind: FmuKind, fmi: int, period: Fraction | None, platforms: Sequence[str] | None
+) -> tuple[str, ...]:
+    """Check the options; return the platforms, sorted."""
+    if kind not in get_args(FmuKind):
+        raise BuildError(f"there is no kind {kind!r} of FMU: choose native or python")
+    if fmi not in (2, 3):
+        raise BuildError(f"FMI {fmi} is not written here: choose 2 or 3")
+    if kind == "python" and fmi != 2:
+        raise BuildError("Python FMUs are FMI 2 only: choose fmi=2 or kind='native'")
+    if period is not None and period <= 0:
+        raise BuildError(f"a period of {period} s is not positive")
+    if kind == "python":
+        from fmus.python_fmu import PLATFORMS as KNOWN
+
+        known, default = tuple(KNOWN), tuple(KNOWN)
+    else:
+        known, default = tuple(PLATFORMS), (host_platform(),)
+    wanted = default if platforms is None else tuple(sorted(set(platforms)))
+    unknown = [name for name in wanted if name not in known]
+    if unknown or not wanted:
+        raise BuildError(
+            f"a {kind} FMU cannot be built for {', '.join(unknown) or 'no platform'}: "
+            f"choose from {', '.join(known)}"
+        )
+    return wanted
+
+
+def _key(files: Mapping[str, Path], kind: FmuKind, *options: Any) -> str:
+    """Return a fingerprint of everything an FMU is made from."""
+    try:
+        tools = [f"{tool} {version(tool)}" for tool in TOOLS[kind]]
+    except PackageNotFoundError as error:
+        raise BuildError(
+            f"{error.name} is needed to build a {kind} FMU and is not installed: "
+            f"pip install 'feeddrive-cosim[build]'"
+        ) from None
+    own = {
+        str(file.relative_to(PACKAGE)): file
+        for file in PACKAGE.rglob("*")
+        if file.suffix in (".py", ".c", ".h")
+    }
+    text = f"{files_digest(files)} {files_digest(own)} {kind} {tools} {options}"
+    return sha256(text.encode()).hexdigest()[:16]
+
+
+def _keep(contents: Mapping[str, bytes], name: str, place: Path) -> Path:
+    """Write the archive into the cache in one go; another process may be first."""
+    from fmus.archive import write_archive
+
+    place.parent.mkdir(parents=True, exist_ok=True)
+    workspace = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
+    try:
+        write_archive(workspace / name, contents)
+        workspace.chmod(0o755)
+        try:
+            workspace.rename(place)
+        except OSError:
+            if not (place / name).is_file():
+                raise
+    finally:
+        shutil.rmtree(workspace, ignore_errors=True)
+    return place / name

@@ -1,0 +1,54 @@
+"""The human-readable part of an FMU: index.html and the licence."""
+
+from importlib.metadata import distribution
+
+from lxml import etree
+from lxml.builder import E
+
+from fmus.description import DISTRIBUTION
+from fmus.subject import Subject, role
+
+STYLE = """
+body { font-family: sans-serif; max-width: 60em; margin: 2em auto }
+th, td { text-align: left; padding: 0.1em 1em 0.1em 0; vertical-align: top }
+"""
+COLUMNS = ("Variable", "Kind", "Unit", "Start", "Meaning")
+SHOWN = 9  # start values of an array that are written out
+
+
+def index_html(subject: Subject) -> bytes:
+    """Return a page with the module's docstring and a table of all variables."""
+    rows = [E.tr(*(E.th(name) for name in COLUMNS))]
+    for variable in subject.layout.variables:
+        causality, variability, _ = role(variable, subject.model)
+        start = ", ".join(f"{v:.6g}" for v in variable.start[:SHOWN])
+        more = ", …" if len(variable.start) > SHOWN else ""
+        size = "×".join(map(str, variable.shape))
+        cells = (
+            f"{variable.name} ({size})" if size else variable.name,
+            f"{variability} {causality}",
+            "" if variable.boolean else variable.var.unit,
+            start + more,
+            variable.var.description,
+        )
+        rows.append(E.tr(*(E.td(cell) for cell in cells)))
+    page = E.html(
+        E.head(E.meta(charset="utf-8"), E.title(subject.model.name), E.style(STYLE)),
+        E.body(E.h1(subject.model.name), E.pre(subject.text.strip()), E.table(*rows)),
+        lang="en",
+    )
+    document: bytes = etree.tostring(
+        page,
+        method="html",
+        encoding="utf-8",
+        doctype="<!DOCTYPE html>",
+        pretty_print=True,
+    )
+    return document
+
+
+def license_text() -> bytes:
+    """Return the licence of this distribution, hence of the adapters."""
+    text = distribution(DISTRIBUTION).read_text("licenses/LICENSE")
+    assert text is not None, "the distribution was installed without its licence"
+    return text.encode()

@@ -1,0 +1,127 @@
+"""Model modules as Python sees them: import, freshness, and whose line is wrong.
+
+A dotted name is imported as usual; a model file under its stem, with its folder
+on the path while it loads.  Sources that changed since they were loaded by
+``load_model`` are loaded again, so that a notebook builds what its editor shows.
+"""
+
+import importlib
+import sys
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+
+from fmus.closure import NoSuchModule, closure, files_digest, is_file, module_name
+from fmus.model import Continuous, Model, Sampled
+
+PACKAGE = Path(__file__).parent
+_loaded: dict[str, str] = {}  # fingerprint of the file each module was loaded from
+
+
+class BuildError(Exception):
+    """A module cannot be built into the FMU that was asked for."""
+
+
+def sources(module: str) -> dict[str, Path]:
+    """Return the files a model module is made of, by module name.
+
+    Raises:
+        BuildError: there is no such module, or a file is no Python.
+    """
+    try:
+        return closure(module)
+    except NoSuchModule as error:
+        raise BuildError(
+            f"{error}: give a dotted name such as plants.ball_screw, or the path "
+            f"of a .py file"
+        ) from None
+    except SyntaxError as error:
+        raise BuildError(f"{error.filename}:{error.lineno}: {error.msg}") from None
+
+
+def load_model(module: str) -> Model:
+    """Return the ``model`` of a module given by dotted name or file path.
+
+    Raises:
+        BuildError: no such module, it does not import, or it has no model.
+    """
+    model = getattr(load_module(module), "model", None)
+    if not isinstance(model, Continuous | Sampled):
+        raise BuildError(
+            f"{module} has no model: end it with model = Continuous(...) or "
+            f"model = Sampled(...)"
+        )
+    return model
+
+
+def load_module(module: str) -> ModuleType:
+    """Import a model module from its present sources.
+
+    Raises:
+        BuildError: no such module, or it does not import.
+    """
+    files, name = sources(module), module_name(module)
+    if is_file(module) and name in sys.stdlib_module_names:
+        raise BuildError(f"{module} has the name of a module of Python: rename it")
+    _forget_stale(files)
+    with _importable(Path(module).resolve().parent if is_file(module) else None):
+        try:
+            imported = importlib.import_module(name)
+        except Exception as error:
+            what = f"{module} cannot be imported"
+            raise BuildError(blame(error, files, what)) from error
+    _loaded.update({n: _fingerprint(f) for n, f in files.items() if n in sys.modules})
+    return imported
+
+
+def blame(error: Exception, files: Mapping[str, Path], what: str) -> str:
+    """Return a sentence with the model's own line at which an error arose."""
+    own = {str(f) for f in files.values() if PACKAGE not in f.parents}
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename in own]
+    reason = str(error).strip() or type(error).__name__
+    if not frames:
+        return f"{what}: {reason}"
+    line = frames[-1]
+    return f"{what}: {line.filename}:{line.lineno}: {line.line}: {reason}"
+
+
+def _forget_stale(files: Mapping[str, Path]) -> None:
+    """Drop the modules of a closure if one was loaded from other bytes."""
+    own = {
+        n: f
+        for n, f in files.items()
+        if PACKAGE not in f.parents and n not in sys.stdlib_module_names
+    }
+    if any(_stale(name, file) for name, file in own.items()):
+        for name in own:
+            sys.modules.pop(name, None)
+
+
+def _stale(name: str, file: Path) -> bool:
+    module = sys.modules.get(name)
+    if module is None:
+        return False
+    origin = getattr(module, "__file__", None)
+    if origin is None or Path(origin).resolve() != file.resolve():
+        return True
+    return _loaded.get(name, _fingerprint(file)) != _fingerprint(file)
+
+
+def _fingerprint(file: Path) -> str:
+    return files_digest({"": file})
+
+
+@contextmanager
+def _importable(folder: Path | None) -> Iterator[None]:
+    """Put a folder on the path; leave no bytecode that hides a quick edit."""
+    importlib.invalidate_caches()
+    path, written = sys.path[:], sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
+    if folder is not None:
+        sys.path.insert(0, str(folder))
+    try:
+        yield
+    finally:
+        sys.path[:], sys.dont_write_bytecode = path, written

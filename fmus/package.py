@@ -1,0 +1,220 @@
+"""From a model to the contents of its FMU archive.
+
+The token is a fingerprint of everything the binary and the description are made
+from; FMI 2 and FMI 3 share it, as they share the binary.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from hashlib import sha256
+from pathlib import Path
+from uuid import UUID
+
+import numpy as np
+from lxml import etree
+
+from fmus.closure import module_name
+from fmus.compile import (
+    PLATFORMS,
+    CompileError,
+    compile_library,
+    universal_binary,
+)
+from fmus.description import describe
+from fmus.documentation import index_html, license_text
+from fmus.layout import layout
+from fmus.load import BuildError, blame, load_model, load_module, sources
+from fmus.model import Continuous, Model, Sampled, leaves
+from fmus.native_source import adapter_sources, native_sources, source_names
+from fmus.python_fmu import external_dependencies, python_binaries, python_resources
+from fmus.subject import Fmi, Subject
+from fmus.trace import trace
+from fmus.units import UnitError
+
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+LONGEST_TUNABLE = 64
+OWN_COPYRIGHT = "the feeddrive authors"
+
+
+def subject_of(module: str, period: Fraction | None) -> Subject:
+    """Load and trace a module's model; collect what its FMU will tell of it.
+
+    Raises:
+        BuildError: no such module or model, the period does not fit it, or it
+            cannot be traced.
+    """
+    name, files = module_name(module), sources(module)
+    model, loaded = load_model(module), load_module(module)
+    model = _with_period(model, period)
+    _check(model)
+    try:
+        traced = trace(model)
+        places = layout(model, traced.output_like)
+    except Exception as error:
+        what = f"{model.name} cannot be traced"
+        raise BuildError(blame(error, files, what)) from error
+    ours = name.partition(".")[0] in ("plants", "controllers")
+    return Subject(
+        model,
+        traced,
+        places,
+        name,
+        loaded.__doc__ or "",
+        author=getattr(loaded, "__author__", OWN_COPYRIGHT if ours else None),
+        copyright=getattr(
+            loaded, "__copyright__", f"© {OWN_COPYRIGHT}" if ours else None
+        ),
+        license=getattr(loaded, "__license__", "MIT" if ours else None),
+    )
+
+
+def native_contents(
+    subject: Subject, fmi: Fmi, platforms: Sequence[str], cache: Path
+) -> dict[str, bytes]:
+    """Return the files of a native FMU by archive name.
+
+    Raises:
+        BuildError: a value or unit of the model is refused, or C does not compile.
+    """
+    model, traced, places = subject.model, subject.traced, subject.layout
+    adapters = adapter_sources()
+    parts = (model, traced, places, model.name)
+    untold = native_sources(*parts, "") | adapters
+    subject = replace(subject, sources=tuple(source_names(untold)))
+    described = [_described(subject, version, "") for version in (2, 3)]
+    token = _token(described, {n: text.encode() for n, text in untold.items()})
+    generated = native_sources(*parts, token)
+    contents = _common(subject, fmi, token)
+    for name, text in (generated | adapters).items():
+        contents[f"sources/{name}"] = text.encode()
+    if fmi == 3:
+        contents["sources/buildDescription.xml"] = _build_description(subject)
+    return contents | _binaries(model.name, generated, fmi, platforms, cache)
+
+
+def python_contents(subject: Subject, module: str) -> dict[str, bytes]:
+    """Return the files of a Python FMU (FMI 2) by archive name.
+
+    Raises:
+        BuildError: a value or unit of the model is refused.
+    """
+    resources = python_resources(module, subject.model)
+    token = _token([_described(subject, 2, "")], resources)
+    contents = _common(subject, 2, token) | resources
+    contents |= python_binaries(subject.model.name)
+    contents["documentation/externalDependencies.txt"] = external_dependencies()
+    return contents
+
+
+def _with_period(model: Model, period: Fraction | None) -> Model:
+    if period is None:
+        return model
+    if isinstance(model, Continuous):
+        raise BuildError(
+            f"{model.name} is continuous and has no period: it takes any step; "
+            f"its longest substep is h_max = {model.h_max} s"
+        )
+    return replace(model, period=period)
+
+
+def _check(model: Model) -> None:
+    """Refuse what would only fail in C or in the importer."""
+    if not IDENTIFIER.fullmatch(model.name):
+        raise BuildError(f"model name {model.name!r} is no C identifier")
+    if isinstance(model, Sampled):
+        num, den = model.period.as_integer_ratio()
+        if num <= 0 or max(num, den) >= 2**53:
+            raise BuildError(f"{model.name}: a period of {model.period} s is no period")
+    else:
+        if not 0 < model.h_max < np.inf:
+            raise BuildError(f"{model.name}: h_max = {model.h_max} s is no substep")
+        _check_delay(model)
+    try:
+        for leaf in leaves(model.parameters):
+            frozen = leaf.var.fixed or leaf.var.constant
+            if np.size(leaf.value) > LONGEST_TUNABLE and not frozen:
+                raise BuildError(
+                    f"{model.name}: {leaf.name} has {np.size(leaf.value)} elements; "
+                    f"over {LONGEST_TUNABLE}, declare it Var(..., fixed=True) or "
+                    f"constant=True"
+                )
+    except TypeError as error:
+        raise BuildError(f"{model.name}: {error}") from error
+
+
+def _check_delay(model: Continuous) -> None:
+    inputs = {leaf.name for leaf in leaves(model.input)}
+    scalars = {
+        leaf.name for leaf in leaves(model.parameters) if not np.ndim(leaf.value)
+    }
+    for delayed, dead_time in model.delay.items():
+        if delayed not in inputs or dead_time not in scalars:
+            raise BuildError(
+                f"{model.name}: delay {delayed!r}: {dead_time!r} must name an input "
+                f"and a scalar parameter"
+            )
+
+
+def _described(subject: Subject, fmi: Fmi, token: str) -> bytes:
+    try:
+        return describe(subject, fmi, token)
+    except UnitError as error:
+        raise BuildError(f"{subject.model.name}: {error}") from error
+    except ValueError as error:
+        raise BuildError(str(error)) from error
+
+
+def _token(described: Sequence[bytes], files: Mapping[str, bytes]) -> str:
+    whole = sha256(b"".join(described))
+    for name, content in sorted(files.items()):
+        whole.update(f"{name}\0{len(content)}\0".encode() + content)
+    return f"{{{UUID(bytes=whole.digest()[:16])}}}"
+
+
+def _common(subject: Subject, fmi: Fmi, token: str) -> dict[str, bytes]:
+    license_file = "license.txt" if fmi == 2 else "licenses/license.txt"
+    return {
+        "modelDescription.xml": _described(subject, fmi, token),
+        "documentation/index.html": index_html(subject),
+        f"documentation/{license_file}": license_text(),
+    }
+
+
+def _binaries(
+    identifier: str,
+    generated: Mapping[str, str],
+    fmi: Fmi,
+    platforms: Sequence[str],
+    cache: Path,
+) -> dict[str, bytes]:
+    """Compile for every platform; FMI 2 has one folder for both kinds of Mac."""
+    slices: dict[str, dict[str, bytes]] = {}
+    for name in platforms:
+        platform = PLATFORMS[name]
+        try:
+            library = compile_library(identifier, generated, name, cache)
+        except CompileError as error:
+            raise BuildError(str(error)) from error
+        folder = platform.fmi2_folder if fmi == 2 else platform.fmi3_folder
+        place = f"binaries/{folder}/{identifier}{platform.suffix}"
+        slices.setdefault(place, {})[name] = library.read_bytes()
+    return {
+        place: universal_binary(parts) if len(parts) > 1 else next(iter(parts.values()))
+        for place, parts in slices.items()
+    }
+
+
+def _build_description(subject: Subject) -> bytes:
+    root = etree.Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = etree.SubElement(
+        root, "BuildConfiguration", modelIdentifier=subject.model.name
+    )
+    files = etree.SubElement(configuration, "SourceFileSet", language="C99")
+    for name in subject.sources:
+        etree.SubElement(files, "SourceFile", name=name)
+    document: bytes = etree.tostring(
+        root, xml_declaration=True, encoding="UTF-8", pretty_print=True
+    )
+    return document

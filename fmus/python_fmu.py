@@ -1,0 +1,135 @@
+"""Python FMUs (FMI 2.0): the model's own Python source behind pythonfmu.
+
+pythonfmu imports the slave module by its bare name into the host interpreter,
+where equal names shadow each other.  So the slave module is called
+``<Model>_<digest>``, the import closure of the model travels along, is imported
+apart from whatever the host has under these names, and must be the bundled
+bytes.  The binary finds libpython in its host: the FMU needs a host that runs
+Python or links its library.
+"""
+
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+
+from fmus.closure import closure, files_digest, module_name
+from fmus.model import Model, Sampled
+
+PLATFORMS = ("linux-x86_64", "windows-x86_64")
+EXTERNAL = """\
+This FMU runs Python source.  Its host must provide
+
+* Python {python} or newer as a shared library already loaded into the process
+  (a host written in Python has it; on Windows pythonfmu's binary loads python3.dll),
+* NumPy {numpy} or newer, importable by that Python.
+
+pythonfmu {pythonfmu} and the model's own modules are inside, in resources/.
+Numba is neither needed nor imported.
+"""
+SLAVE = '''\
+"""Python FMU of {module}."""
+
+import sys
+from dataclasses import replace
+from fractions import Fraction
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+CLOSURE = {closure}
+
+
+def ours():
+    tops = {{name.partition(".")[0] for name in CLOSURE}}
+    return [name for name in sys.modules if name.partition(".")[0] in tops]
+
+
+def load():
+    """Import the bundled modules apart from the host's of the same names."""
+    hosts = {{name: sys.modules.pop(name) for name in ours()}}
+    sys.path.insert(0, str(HERE))
+    try:
+        base = import_module("fmus.slave").ModelSlave
+        model = import_module("{module}").model
+        for name, expected in CLOSURE.items():
+            file = import_module(name).__file__
+            if sha256(Path(file).read_bytes()).hexdigest() != expected:
+                raise ImportError(
+                    f"{title} was built from other sources than {{file}}: run it "
+                    f"in a process of its own"
+                )
+    finally:
+        for name in ours():
+            del sys.modules[name]
+        sys.modules.update(hosts)
+        sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != HERE]
+    return base, {model}
+
+
+if "BASE" not in globals():  # pythonfmu runs this file twice
+    BASE, MODEL = load()
+
+
+class {title}(BASE):
+    model = MODEL
+'''
+
+
+def python_resources(module: str, model: Model) -> dict[str, bytes]:
+    """Return the content of ``resources/`` by archive name.
+
+    Raises:
+        NoSuchModule: there is no such module.
+    """
+    files = closure(module) | closure("fmus.slave")
+    digests = {n: sha256(f.read_bytes()).hexdigest() for n, f in files.items()}
+    listed = "".join(f'    "{n}": "{d}",\n' for n, d in digests.items())
+    loaded = "model"
+    if isinstance(model, Sampled):
+        num, den = model.period.as_integer_ratio()
+        loaded = f"replace(model, period=Fraction({num}, {den}))"
+    script = SLAVE.format(
+        module=module_name(module),
+        title=model.name,
+        closure="{\n" + listed + "}",
+        model=loaded,
+    )
+    digest = sha256((files_digest(files) + script).encode()).hexdigest()[:12]
+    slave = f"{model.name}_{digest}"
+    contents = {_place(n, f): f.read_bytes() for n, f in files.items()}
+    contents |= {f"pythonfmu/{f.name}": f.read_bytes() for f in _pythonfmu_modules()}
+    contents |= {f"{slave}.py": script.encode(), "slavemodule.txt": slave.encode()}
+    return {f"resources/{path}": content for path, content in contents.items()}
+
+
+def python_binaries(identifier: str) -> dict[str, bytes]:
+    """Return pythonfmu's own binaries by archive name."""
+    folder = _pythonfmu() / "resources" / "binaries"
+    return {
+        f"binaries/{file.parent.name}/{identifier}{file.suffix}": file.read_bytes()
+        for file in sorted(folder.rglob("*"))
+        if file.suffix in (".so", ".dll", ".dylib")
+    }
+
+
+def external_dependencies() -> bytes:
+    """Return the text that tells what the host must bring along."""
+    text = EXTERNAL.format(python="3.11", numpy="2.0", pythonfmu=version("pythonfmu"))
+    return text.encode()
+
+
+def _place(name: str, file: Path) -> str:
+    folders = name.replace(".", "/")
+    package = file.name == "__init__.py"
+    return f"{folders}/__init__.py" if package else f"{folders}.py"
+
+
+def _pythonfmu() -> Path:
+    import pythonfmu
+
+    return Path(pythonfmu.__file__).parent
+
+
+def _pythonfmu_modules() -> list[Path]:
+    return sorted(_pythonfmu().glob("*.py"))
