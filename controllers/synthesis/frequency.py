@@ -18,6 +18,7 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
+from controllers.synthesis.linearise import without_bystanders
 from fmus.model import FloatArray
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -173,8 +174,11 @@ def _bands(S: ComplexArray, f_hz: FloatArray) -> FloatArray:
 
 
 def poles(loop: Loop) -> ComplexArray:
-    """Return the closed loop's eigenvalues in s or z, late samples included."""
-    controller = loop.controller[:, : loop.plant.noutputs]
+    """Return the closed loop's eigenvalues in s or z, late samples included.
+
+    States of the controller that serve its commands only are no part of the loop.
+    """
+    controller = without_bystanders(loop.controller[:, : loop.plant.noutputs])
     if loop.latency:
         controller = _shift_register(loop.latency, loop.plant.dt) * controller
     closed = ct.feedback(loop.plant[:, :1], controller, sign=1)

@@ -81,6 +81,32 @@ def linearise(
     )
 
 
+def without_bystanders(system: ct.StateSpace) -> ct.StateSpace:
+    """Drop the states that no input reaches or no output shows, by structure.
+
+    Exact zeros decide, no tolerance: a part that is switched off goes, a mode that
+    the numbers happen to cancel stays.
+    """
+    links = np.eye(system.nstates, dtype=bool) | (system.A != 0)
+    for _ in range(system.nstates.bit_length()):
+        links = links @ links
+    reached = links @ np.any(system.B != 0, axis=1)
+    shown = np.any(system.C != 0, axis=0) @ links
+    (kept,) = np.nonzero(reached & shown)
+    return ct.ss(
+        system.A[np.ix_(kept, kept)],
+        system.B[kept, :],
+        system.C[:, kept],
+        system.D,
+        system.dt,
+        states=[system.state_labels[i] for i in kept],
+        inputs=system.input_labels,
+        outputs=system.output_labels,
+        name=system.name,
+        remove_useless_states=False,
+    )
+
+
 def _jacobians(
     function: ca.Function, result: str, point: dict[str, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
