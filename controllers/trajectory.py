@@ -66,16 +66,22 @@ class Parameters(NamedTuple):
     )
 
 
-class Segment(NamedTuple):
-    """x_r = c_0 + c_1 δ + … + c_4 δ⁴ from the time ``since`` on; snap is n S."""
+class Quartic(NamedTuple):
+    """c_0 + c_1 δ + c_2 δ² + c_3 δ³ + c_4 δ⁴."""
 
-    since: Double2
     c_0: Double2
     c_1: Double2
     c_2: Double2
-    c_3: Any
-    c_4: Any
-    s: Any
+    c_3: Double2
+    c_4: Double2
+
+
+class Segment(NamedTuple):
+    """x_r as a quartic of the time δ passed ``since``, and its snap."""
+
+    since: Double2
+    x_r: Quartic
+    s_r: Any
 
 
 _record: Any = namedtuple
@@ -145,9 +151,9 @@ def prepare(p: Parameters, T_s: float) -> Derived:
         n = n + sign
         c[4] = multiply(S_24, exactly(n))
         before = tau
-        segments.append(Segment(tau, c[0], c[1], c[2], c[3].hi, c[4].hi, n * S.hi))
+        segments.append(Segment(tau, Quartic(*c), n * S.hi))
     # at rest exactly, free of the rounding of fifteen shifts
-    segments[-1] = Segment(before, stroke, zero, zero, 0.0, 0.0, 0.0)
+    segments[-1] = Segment(before, Quartic(stroke, zero, zero, zero, zero), 0.0)
     t_back = add(exactly(p.t_0), add(before, exactly(p.dwell)))
     return Derived(Segments(*segments), stroke, t_back)
 
@@ -170,32 +176,23 @@ def step(
     t = subtract(t, choose(returning, d.t_back, exactly(p.t_0)))
 
     zero = exactly(0.0)
-    now = Segment(zero, zero, zero, zero, 0.0, 0.0, 0.0)
+    now = Segment(zero, Quartic(zero, zero, zero, zero, zero), 0.0)
     for segment in d.segments:
-        now = latest(t, segment, now)
+        now = choose(at_least(t, segment.since), segment, now)
     delta = subtract(t, now.since)
-    h = delta.hi
-    c_2 = add(now.c_2, exactly((now.c_3 + now.c_4 * h) * h))
-    c_1 = add(now.c_1, multiply(delta, c_2))
-    x_r = add(now.c_0, multiply(delta, c_1))
-
+    c = now.x_r
+    x_r = c[4]
+    for c_i in c[3::-1]:
+        x_r = add(c_i, multiply(delta, x_r))
     x_r = choose(returning, subtract(d.stroke, x_r), x_r)
     way: Any = np.where(returning, -1.0, 1.0)
-    v_r = now.c_1.hi + h * (2 * now.c_2.hi + h * (3 * now.c_3 + h * 4 * now.c_4))
-    a_r = 2 * now.c_2.hi + h * (6 * now.c_3 + h * 12 * now.c_4)
-    j_r = 6 * now.c_3 + h * 24 * now.c_4
-    return State(x.k + 1), Output(x_r.hi, way * v_r, way * a_r, way * j_r, way * now.s)
-
-
-def latest(t: Double2, segment: Segment, before: Segment) -> Segment:
-    """Return the segment if it has begun at t, else the one before."""
-    begun = at_least(t, segment.since)
-
-    def either(new: Any, old: Any) -> Any:
-        pair = isinstance(new, Double2)
-        return choose(begun, new, old) if pair else np.where(begun, new, old)
-
-    return Segment(*(either(*values) for values in zip(segment, before, strict=True)))
+    h = delta.hi
+    v_r = c[1].hi + h * (2 * c[2].hi + h * (3 * c[3].hi + h * 4 * c[4].hi))
+    a_r = 2 * c[2].hi + h * (6 * c[3].hi + h * 12 * c[4].hi)
+    j_r = 6 * c[3].hi + h * 24 * c[4].hi
+    return State(x.k + 1), Output(
+        x_r.hi, way * v_r, way * a_r, way * j_r, way * now.s_r
+    )
 
 
 model = Sampled(
