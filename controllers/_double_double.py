@@ -8,13 +8,11 @@ Precision, Numerische Mathematik 18 (1971) 224-242; D. E. Knuth, The Art of
 Computer Programming 2, sec. 4.2.2 (two_sum).
 """
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fmus.model import is_record
-
-R = TypeVar("R")
 
 SPLITTER = 134217729.0  # 2²⁷ + 1
 
@@ -89,15 +87,12 @@ def divide(x: Double2, b: Any) -> Double2:
     return _normalised(quotient, rest / b)
 
 
-def choose(condition: Any, x: R, y: R) -> R:
+def choose(condition: Any, x: Any, y: Any) -> Any:
     """Return x where the condition holds, else y; numbers or records of them."""
     if not is_record(x):
-        chosen: Any = np.where(condition, x, y)
-        return chosen
-    pairs: Any = zip(x, y, strict=True)
-    record: Any = type(x)
-    chosen = record._make(choose(condition, *pair) for pair in pairs)
-    return chosen
+        return np.where(condition, x, y)
+    pairs = zip(x, y, strict=True)
+    return type(x)(*(choose(condition, *pair) for pair in pairs))
 
 
 def at_least(x: Double2, y: Double2) -> Any:
