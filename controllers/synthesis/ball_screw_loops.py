@@ -63,11 +63,15 @@ def figures(
         crossover_1, ...         where |L| falls through 1 (Hz)
         rise_1, ...              where it rises through 1 (Hz)
         phase_margin_1, ...      at each crossing of either kind (degrees)
-        phase_margin_min         the smallest of them (degrees)
+        phase_margin_min         the one of smallest magnitude (degrees)
+        phase_crossover_1, ...   where L crosses the negative real axis (Hz)
+        gain_margin_1, ...       1/|L| there (ratio)
         s_max, s_max_frequency   max |S| and where (Hz)
         band_1_from, band_1_to   where |S| < 1 (Hz), band after band
-        real_min, real_min_frequency  most negative real part of d_2 -> x_2 (rad/V; Hz)
-        magnitude_max, ..._frequency  largest magnitude of it (rad/V; Hz)
+        real_min                 most negative real part of d_2 -> x_2 (rad/V)
+        real_min_frequency       where (Hz)
+        magnitude_max            largest magnitude of d_2 -> x_2 (rad/V)
+        magnitude_max_frequency  where (Hz)
 
     and per drive, without ``_z``, ``decay``: the largest real part of an eigenvalue in
     s (1/s), and ``radius``: the largest magnitude of an eigenvalue in z.
@@ -79,7 +83,7 @@ def figures(
         parameters: by name, see the module.
 
     Raises:
-        KeyError: no controller, or no parameter of plant and controller, of that name.
+        LookupError: no controller of that name, or no such parameter.
     """
     found: dict[str, float] = {}
     for current, ending in ((False, ""), (True, "_current")):
@@ -151,7 +155,7 @@ def sampled_loop(
 
 def _controller(name: str) -> tuple[Model, Law]:
     if name not in CONTROLLERS:
-        raise KeyError(f"no controller {name!r}, there are {', '.join(CONTROLLERS)}")
+        raise LookupError(f"no controller {name!r}, there are {', '.join(CONTROLLERS)}")
     return CONTROLLERS[name]
 
 

@@ -41,7 +41,7 @@ def linearise(
         in the FMU, ``state.x_1``.
 
     Raises:
-        KeyError: the model has no signal of that name.
+        LookupError: the model has no signal of that name.
     """
     traced = trace(model)
     parameters = model.parameters if parameters is None else parameters
@@ -133,6 +133,6 @@ def _select(names: list[str], wanted: Iterable[str] | None, what: str) -> list[i
     indices = []
     for name in wanted:
         if name not in names:
-            raise KeyError(f"{what}: no {name!r}, there are {', '.join(names)}")
+            raise LookupError(f"{what}: no {name!r}, there are {', '.join(names)}")
         indices.append(names.index(name))
     return indices

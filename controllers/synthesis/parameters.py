@@ -12,12 +12,12 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
     """Return the record with some fields replaced, nested ones as ``outer.inner``.
 
     Raises:
-        KeyError: the record has no field of that name.
+        LookupError: the record has no field of that name.
     """
     known = [leaf.name for leaf in leaves(record)]
     for name in values:
         if name not in known:
-            raise KeyError(f"no parameter {name!r}, there are {', '.join(known)}")
+            raise LookupError(f"no parameter {name!r}, there are {', '.join(known)}")
 
     def replace(part: Any, prefix: str) -> Any:
         fields = zip(part._fields, part, strict=True)
@@ -45,7 +45,7 @@ def share(
         The records in their order, filled.
 
     Raises:
-        KeyError: no record has a parameter of that name.
+        LookupError: no record has a parameter of that name.
     """
     fields = {key: {leaf.name for leaf in leaves(r)} for key, r in records.items()}
     given: dict[str, dict[str, Any]] = {key: {} for key in records}
@@ -55,7 +55,7 @@ def share(
         if key in records and rest in fields[key]:
             targets, name = [key], rest
         if not targets:
-            raise KeyError(f"no parameter {name!r} in {' or '.join(records)}")
+            raise LookupError(f"no parameter {name!r} in {' or '.join(records)}")
         for target in targets:
             given[target][name] = value
     return tuple(with_values(records[key], given[key]) for key in records)

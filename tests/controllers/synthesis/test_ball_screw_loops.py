@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from controllers import rotary_command
+from controllers import rotary_command, trajectory
 from controllers.synthesis.ball_screw_loops import (
     continuous_loop,
     figures,
@@ -15,6 +15,7 @@ from controllers.synthesis.ball_screw_loops import (
 from controllers.synthesis.frequency import GRID_HZ, battery, poles, respond
 from controllers.synthesis.linearise import linearise
 from controllers.synthesis.matched import factored, matched
+from controllers.synthesis.prefilter import identify
 
 T_S = 5e-5
 M_1, M_2, B_1, B_2, K, C = 1.858e-3, 0.379e-3, 1.020e-3, 0.0, 210.02, 0.014
@@ -255,6 +256,20 @@ def low_frequency(error, controller, order):
     return (4 * near - far) / 3
 
 
+def test_the_current_loop_is_a_lag_of_450_hz():
+    ideal = respond(continuous_loop("mc_ppc", False, {}), F_HZ)
+    lagging = respond(continuous_loop("mc_ppc", True, {}), F_HZ)
+    np.testing.assert_allclose(lagging.L, ideal.L / (1 + 1j * F_HZ / 450), rtol=1e-9)
+
+
+def test_parts_that_are_switched_off_are_no_part_of_the_loop():
+    count = [
+        len(poles(continuous_loop("mc_ppc", current, {}))) for current in (False, True)
+    ]
+    # four masses' states, five filter states, one integrator; then the lag
+    assert count == [10, 11]
+
+
 def test_acceleration_error_of_mc_ppc_is_the_delay_of_the_rotary_command():
     G_r = linearise(rotary_command.model, inputs=["x_r"])
     step = 1e-4
@@ -273,6 +288,47 @@ def test_jerk_error_of_the_cascade_is_the_wind_up_of_the_screw():
     assert K_jerk == pytest.approx(9.553e-9, rel=2e-3)
 
 
+def move_of_500_mm_per_s():
+    """Return the command (rad) over 20 ms rest, the move and 150 ms rest."""
+    p = trajectory.Parameters()
+    derived = trajectory.prepare(p, T_S)
+    x = trajectory.State()
+    x_r = np.empty(round((float(trajectory.move_time(p)) + 0.17) / T_S) + 1)
+    for k in range(len(x_r)):
+        x, y = trajectory.step(x, trajectory.Input(), p, T_S, derived)
+        x_r[k] = y.x_r
+    return x_r
+
+
+def tracking_error(x_r, **parameters):
+    """Run plant, one sample of latency and law over a command; shape (n,) (rad)."""
+    loop = sampled_loop("mc_ppc", False, parameters, 1)
+    plant, law = loop.plant, loop.controller
+    x, q, u = np.zeros(plant.nstates), np.zeros(law.nstates), 0.0
+    e_2 = np.empty(len(x_r))
+    for k, command in enumerate(x_r):
+        y = plant.C @ x
+        read = np.array([*y, command, 0, 0, 0, 0])
+        u_next = (law.C @ q + law.D @ read)[0]
+        q = law.A @ q + law.B @ read
+        x = plant.A @ x + plant.B[:, 0] * u
+        e_2[k], u = command - y[1], u_next
+    return e_2
+
+
+def test_the_identified_prefilter_is_the_closed_form_and_cancels_the_error():
+    um = 1e6 * 0.020 / (2 * np.pi)
+    x_r = move_of_500_mm_per_s()
+    plain = tracking_error(x_r)
+    assert np.max(np.abs(plain)) * um == pytest.approx(2.490, abs=0.005)
+    assert np.sqrt(np.mean(plain**2)) * um == pytest.approx(0.818, abs=0.003)
+    gains = identify(x_r, plain, T_S)
+    assert gains["K_acc"] == pytest.approx(2.53498e-7, rel=1e-3)
+    assert gains["K_acc"] == pytest.approx(2.537e-7, rel=5e-4)
+    filtered = tracking_error(x_r, **gains)
+    assert np.max(np.abs(filtered)) * um == pytest.approx(0.063, abs=0.01)
+
+
 def test_a_heavier_table_moves_the_loop_unless_the_law_knows():
     radius = [
         np.max(np.abs(poles(sampled_loop("mc_ppc", False, changes))))
@@ -284,7 +340,7 @@ def test_a_heavier_table_moves_the_loop_unless_the_law_knows():
 
 
 def test_an_unknown_controller_or_parameter_is_refused():
-    with pytest.raises(KeyError, match="there are mc_ppc, p_pi"):
+    with pytest.raises(LookupError, match="there are mc_ppc, p_pi"):
         figures("pid")
-    with pytest.raises(KeyError, match="no parameter 'm_3' in plant or controller"):
+    with pytest.raises(LookupError, match="no parameter 'm_3' in plant or controller"):
         figures("mc_ppc", m_3=1.0)

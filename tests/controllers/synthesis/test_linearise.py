@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import pytest
 
-from controllers.synthesis.linearise import linearise
+from controllers.synthesis.linearise import linearise, without_bystanders
 from fmus.model import Continuous, Sampled, Var
 
 
@@ -119,5 +119,14 @@ def test_signals_are_selected_in_the_order_asked_for():
 
 
 def test_an_unknown_signal_is_refused_with_those_there_are():
-    with pytest.raises(KeyError, match="no 'x', there are y, s"):
+    with pytest.raises(LookupError, match="no 'x', there are y, s"):
         linearise(plant, outputs=["x"])
+
+
+def test_states_outside_the_path_of_the_signals_are_dropped():
+    # q is shown by y and moved by w_1; w_2 leads nowhere, s follows from q alone
+    system = without_bystanders(linearise(plant, inputs=["u"], outputs=["s"]))
+    assert system.state_labels == ["state.inner.q", "state.inner.w[1]"]
+    whole = linearise(plant, inputs=["u"], outputs=["s"])
+    at = 3j
+    np.testing.assert_allclose(system(at), whole(at))
