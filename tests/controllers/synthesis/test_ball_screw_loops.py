@@ -322,7 +322,7 @@ def test_the_identified_prefilter_is_the_closed_form_and_cancels_the_error():
     plain = tracking_error(x_r)
     assert np.max(np.abs(plain)) * um == pytest.approx(2.490, abs=0.005)
     assert np.sqrt(np.mean(plain**2)) * um == pytest.approx(0.818, abs=0.003)
-    gains = identify(x_r, plain, T_S)
+    gains = identify(x_r, x_r - plain, T_S)
     assert gains["K_acc"] == pytest.approx(2.53498e-7, rel=1e-3)
     assert gains["K_acc"] == pytest.approx(2.537e-7, rel=5e-4)
     filtered = tracking_error(x_r, **gains)

@@ -47,13 +47,13 @@ def test_identification_recovers_gains_of_very_different_size(K):
     x_r = smooth_move()
     phi = regressors(x_r, T_S, 80.0)
     e_2 = phi @ K
-    found = identify(x_r, e_2, T_S)
+    found = identify(x_r, x_r - e_2, T_S)
     assert list(found) == ["K_vel", "K_acc", "K_jerk", "K_snap"]
     norms = np.linalg.norm(phi, axis=0)
     np.testing.assert_allclose(
         np.array(list(found.values())) * norms,
         np.array(K) * norms,
-        atol=1e-9 * np.abs(e_2).max(),
+        atol=1e-9 * np.abs(e_2).max() + 1e-12,  # x_r - y_2 rounds
     )
 
 
