@@ -14,7 +14,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from fmus.model import Sampled, Var
-from plants._ticks import sine, tick_of
+from fmus.ticks import sine, tick_of
 
 
 class State(NamedTuple):
