@@ -4,7 +4,6 @@ The token is a fingerprint of everything the binary and the description are made
 from; FMI 2 and FMI 3 share it, as they share the binary.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -12,9 +11,9 @@ from hashlib import sha256
 from pathlib import Path
 from uuid import UUID
 
-import numpy as np
 from lxml import etree
 
+from fmus.checks import check_model, check_traced
 from fmus.closure import module_name
 from fmus.compile import (
     PLATFORMS,
@@ -26,15 +25,13 @@ from fmus.description import describe
 from fmus.documentation import index_html, license_text
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
-from fmus.model import Continuous, Model, Sampled, leaves
+from fmus.model import Continuous, Model
 from fmus.native_source import adapter_sources, native_sources, source_names
 from fmus.python_fmu import external_dependencies, python_binaries, python_resources
 from fmus.subject import Fmi, Subject
 from fmus.trace import trace
 from fmus.units import UnitError
 
-IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-LONGEST_TUNABLE = 64
 OWN_COPYRIGHT = "the feeddrive authors"
 
 
@@ -48,13 +45,14 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
     name, files = module_name(module), sources(module)
     model, loaded = load_model(module), load_module(module)
     model = _with_period(model, period)
-    _check(model)
+    check_model(model)
     try:
         traced = trace(model)
         places = layout(model, traced.output_like)
     except Exception as error:
         what = f"{model.name} cannot be traced"
         raise BuildError(blame(error, files, what)) from error
+    check_traced(model, traced, places)
     ours = name.partition(".")[0] in ("plants", "controllers")
     return Subject(
         model,
@@ -117,44 +115,6 @@ def _with_period(model: Model, period: Fraction | None) -> Model:
             f"its longest substep is h_max = {model.h_max} s"
         )
     return replace(model, period=period)
-
-
-def _check(model: Model) -> None:
-    """Refuse what would only fail in C or in the importer."""
-    if not IDENTIFIER.fullmatch(model.name):
-        raise BuildError(f"model name {model.name!r} is no C identifier")
-    if isinstance(model, Sampled):
-        num, den = model.period.as_integer_ratio()
-        if num <= 0 or max(num, den) >= 2**53:
-            raise BuildError(f"{model.name}: a period of {model.period} s is no period")
-    else:
-        if not 0 < model.h_max < np.inf:
-            raise BuildError(f"{model.name}: h_max = {model.h_max} s is no substep")
-        _check_delay(model)
-    try:
-        for leaf in leaves(model.parameters):
-            frozen = leaf.var.fixed or leaf.var.constant
-            if np.size(leaf.value) > LONGEST_TUNABLE and not frozen:
-                raise BuildError(
-                    f"{model.name}: {leaf.name} has {np.size(leaf.value)} elements; "
-                    f"over {LONGEST_TUNABLE}, declare it Var(..., fixed=True) or "
-                    f"constant=True"
-                )
-    except TypeError as error:
-        raise BuildError(f"{model.name}: {error}") from error
-
-
-def _check_delay(model: Continuous) -> None:
-    inputs = {leaf.name for leaf in leaves(model.input)}
-    scalars = {
-        leaf.name for leaf in leaves(model.parameters) if not np.ndim(leaf.value)
-    }
-    for delayed, dead_time in model.delay.items():
-        if delayed not in inputs or dead_time not in scalars:
-            raise BuildError(
-                f"{model.name}: delay {delayed!r}: {dead_time!r} must name an input "
-                f"and a scalar parameter"
-            )
 
 
 def _described(subject: Subject, fmi: Fmi, token: str) -> bytes:
