@@ -89,6 +89,13 @@ def time_text(value: Fraction) -> str:
     return str(value)
 
 
+def rate(period: Fraction) -> str:
+    """Return a period for people: ``50 us (20 kHz)``."""
+    hertz = 1 / period
+    size, unit = (hertz / 1000, "kHz") if hertz >= 1000 else (hertz, "Hz")
+    return f"{float(period * 10**6):g} us ({float(size):g} {unit})"
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A number and its unit (``1`` if it has none)."""

@@ -5,13 +5,12 @@ components, rates, latencies, parameters set, design results, FMU digests.
 """
 
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import Quantity, rate
 from orchestrator.report_figure import figure, name_of
 
 if TYPE_CHECKING:
@@ -71,7 +70,8 @@ def _metrics(runs: "Sequence[Run]") -> str:
 def _change(first: Quantity | None, second: Quantity | None) -> str:
     if first is None or second is None or first.unit != second.unit or not first.value:
         return ""
-    return f"{100 * (second.value / first.value - 1):+.1f} %"
+    change = 100 * (second.value / first.value - 1)
+    return f"{change:+.1f} %" if abs(change) < 1e4 else ""
 
 
 def _checked(runs: "Sequence[Run]", name: str) -> str:
@@ -115,13 +115,6 @@ def _facts(run: "Run") -> str:
     paragraphs = "".join(f"<p>{escape(line)}</p>" for line in lines)
     name = escape(run.scenario.name)
     return f"<h2>How it was computed: {name}</h2>{_table(head, rows)}{paragraphs}"
-
-
-def rate(period: Fraction) -> str:
-    """Return a period for people: ``50 us (20 kHz)``."""
-    hertz = 1 / period
-    size, unit = (hertz / 1000, "kHz") if hertz >= 1000 else (hertz, "Hz")
-    return f"{float(period * 10**6):g} us ({float(size):g} {unit})"
 
 
 def _short(value: object) -> str:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from orchestrator.metrics import scaled
 from orchestrator.quantity import converter
 from orchestrator.scenario_metrics import ErrorMetric
+from orchestrator.system import split_name
 
 if TYPE_CHECKING:
     from orchestrator.session import Run
@@ -107,20 +108,16 @@ def _line(curve: Curve, compared: bool, styles: dict[str, int]) -> dict[str, Any
 
 
 def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
-    """Return the panels of a report, those of equal title and unit merged."""
+    """Return the panels of a report; runs share the panels of equal meaning."""
     merged: dict[tuple[str, str], Panel] = {}
-    tracked: list[Panel] = []
     for number, run in enumerate(runs):
         label = f"{name_of(run)}: " if len(runs) > 1 else ""
-        for panel in (*_tracking(run, number, label), *_others(run, number, label)):
-            key = panel.title, panel.unit
-            if key not in merged:
-                merged[key] = panel
-                tracked.append(panel)
-                continue
-            known = merged[key].curves
+        own = {(p.title, p.unit): p for p in _tracking(run, number, label)}
+        own |= {("", p.unit): p for p in _others(run, number, label)}
+        for key, panel in own.items():
+            known = merged.setdefault(key, Panel(panel.title, panel.unit)).curves
             known.extend(c for c in panel.curves if not _already(c, known))
-    return tracked
+    return merged.values()
 
 
 def name_of(run: "Run") -> str:
@@ -169,16 +166,26 @@ def _others(run: "Run", number: int, label: str) -> Iterable[Panel]:
         if isinstance(metric, ErrorMetric)
         for signal in metric.signals().values()
     }
-    by_unit: dict[str, Panel] = {}
-    for name in run:
+    by_unit: dict[str, list[str]] = {}
+    order = {name: place for place, name in enumerate(run.composition.system.record)}
+    for name in sorted(run, key=lambda n: order.get(n.partition("[")[0], len(order))):
         if name not in taken:
+            by_unit.setdefault(run[name].unit, []).append(name)
+    for unit, names in by_unit.items():
+        panel = Panel(_title(run, names, unit), unit)
+        for name in names:
             signal = run[name]
-            title = (
-                "other signals" if signal.unit == "1" else f"signals in {signal.unit}"
-            )
-            panel = by_unit.setdefault(signal.unit, Panel(title, signal.unit))
             panel.curves.append(Curve(label + name, signal.time, signal.values, number))
-    return by_unit.values()
+        yield panel
+
+
+def _title(run: "Run", names: Sequence[str], unit: str) -> str:
+    """Return what a panel's signals are, by the FMU's own description of one."""
+    if len(names) == 1:
+        component, variable = split_name(names[0])
+        known = run.composition.fmus[component].variables.get(variable)
+        return known.description if known and known.description else names[0]
+    return "other signals" if unit == "1" else f"signals in {unit}"
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:

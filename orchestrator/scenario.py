@@ -11,11 +11,12 @@ names the file and the key path.  ``nominal`` is the scenario without what the
 command line changed on components: what design steps are told.
 """
 
+import logging
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
@@ -25,6 +26,8 @@ from orchestrator.scenario_override import apply_override
 from orchestrator.scenario_schema import RateContext, Specification
 
 STUDIES = Path(__file__).parent / "studies"
+Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
+LOG = logging.getLogger("feeddrive")
 REMOVABLE = ("components", "connections", "design", "record", "metrics", "expect")
 _NOT_SCENARIOS = ("reference.toml",)
 
@@ -46,39 +49,41 @@ class Scenario:
         return name if "/" in name else str(self.file.parent / f"{name}.toml")
 
 
-def load_scenario(name: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+def load_scenario(
+    name: str | Path, overrides: Sequence[str] = (), swaps: Swaps | None = None
+) -> Scenario:
     """Return the scenario of a file or of a name ``<study>/<scenario>``.
 
-    ``overrides`` are texts ``component.parameter=value`` as given to ``--set``.
+    ``overrides`` are texts ``component.parameter=value`` as given to ``--set``;
+    ``swaps`` put another FMU, with its own ``fmu``, ``map`` and the like, in the
+    place of a component before the overrides are applied.
 
     Raises:
         ScenarioError: no such scenario, malformed TOML, a wrong key or value.
     """
     file = find_scenario(name)
-    return scenario_from(read_scenario(file), file, overrides)
+    return scenario_from(read_scenario(file), file, overrides, swaps)
 
 
 def scenario_from(
     raw: Mapping[str, Any],
     file: Path,
     overrides: Sequence[str] = (),
-    swaps: Mapping[str, Mapping[str, Any]] | None = None,
+    swaps: Swaps | None = None,
 ) -> Scenario:
     """Return the scenario that parsed TOML describes; ``file`` names it in messages.
-
-    ``swaps`` puts another FMU and map in the place of a component.
 
     Raises:
         ScenarioError: a wrong key, value or override.
     """
     plain = _copy(raw)
     changed = _copy(raw)
+    for component, swap in (swaps or {}).items():
+        _swap(changed, component, swap)
     for text in overrides:
         on_component = apply_override(changed, text)
         if not on_component:
             apply_override(plain, text)
-    for component, swap in (swaps or {}).items():
-        _swap(changed, component, swap)
     nominal = _validate(plain, file)
     spec = _validate(changed, file) if changed != plain else nominal
     return Scenario(scenario_name(file), file, spec, nominal, tuple(overrides))
@@ -230,22 +235,27 @@ def _swap(raw: dict[str, Any], component: str, swap: Mapping[str, Any]) -> None:
             f"--swap {component}: no such component; "
             f"{did_you_mean(component, components)}"
         )
-    kept = components[component]
-    components[component] = {"step": kept["step"]} if "step" in kept else {}
-    for key in ("offset", "latency"):
-        if key in kept:
-            components[component][key] = kept[key]
-    components[component].update(swap)
+    old = components[component]
+    kept = {key: old[key] for key in ("step", "offset", "latency") if key in old}
+    lost = [f"{t}.{key}" for t in ("parameters", "start") for key in old.get(t, {})]
+    if lost:
+        LOG.warning(
+            "--swap %s: the other FMU does not take over %s; set its own with --set",
+            component,
+            ", ".join(lost),
+        )
+    components[component] = {**kept, **swap}
 
 
 def _validate(raw: Mapping[str, Any], file: Path) -> Specification:
     try:
         return Specification.model_validate(raw, context=RateContext())
     except ValidationError as error:
-        raise ScenarioError(f"{file}: " + "; ".join(_complaints(error))) from None
+        raise ScenarioError(f"{file}: " + "; ".join(complaints(error))) from None
 
 
-def _complaints(error: ValidationError) -> Iterator[str]:
+def complaints(error: ValidationError) -> Iterator[str]:
+    """Yield each complaint of pydantic with its key path, in plain words."""
     for detail in error.errors(include_url=False):
         where = list(detail["loc"])
         if where[:1] == ["metrics"] and len(where) > 2:

@@ -26,9 +26,10 @@ class Strict(BaseModel):
     @classmethod
     def _refuse_unknown_keys(cls, value: Any) -> Any:
         if isinstance(value, dict):
+            known = {f.alias or name for name, f in cls.model_fields.items()}
             for key in value:
-                if key not in cls.model_fields:
-                    remedy = did_you_mean(str(key), cls.model_fields)
+                if key not in known:
+                    remedy = did_you_mean(str(key), known)
                     raise ValueError(f"there is no key {key!r}; {remedy}")
         return value
 

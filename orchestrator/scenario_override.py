@@ -11,7 +11,7 @@ known when the scenario is composed, from the FMU's variables.
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +64,51 @@ def parse_override_value(written: str) -> Any:
         return DecimalFloat(text)
     except ValueError:
         return text
+
+
+def parse_swaps(swaps: Sequence[str], maps: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return what ``--swap component=their.fmu`` and ``--map`` put in place.
+
+    The n-th map, a TOML file or inline TOML, belongs to the n-th swap.
+
+    Raises:
+        ScenarioError: no ``component=file``, no such file, a map that is no TOML.
+    """
+    if len(maps) > len(swaps):
+        raise ScenarioError("--map: there are more maps than swaps to use them")
+    found = {}
+    for number, text in enumerate(swaps):
+        component, equals, fmu = text.partition("=")
+        if not equals or not fmu:
+            raise ScenarioError(f"--swap {text}: write component=their.fmu")
+        is_file = fmu.endswith((".fmu", ".py"))
+        if is_file and not Path(fmu).is_file():
+            raise ScenarioError(f"--swap {text}: no such file: {fmu}")
+        found[component] = {"fmu": str(Path(fmu).absolute()) if is_file else fmu}
+        if number < len(maps):
+            found[component]["map"] = parse_map(maps[number])
+    return found
+
+
+def parse_map(text: str) -> Any:
+    """Return a map given as the path of a TOML file or as inline TOML.
+
+    Raises:
+        ScenarioError: it can be read as neither.
+    """
+    try:
+        if text.endswith(".toml"):
+            return tomllib.loads(Path(text).read_text(encoding="utf-8"))
+        return tomllib.loads(f"map = {{{text}}}")["map"]
+    except OSError as error:
+        raise ScenarioError(
+            f"--map {text}: cannot be read ({error.strerror})"
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(
+            f"--map {text}: not valid TOML ({error}); write a .toml file, or inline "
+            f'\'u = {{name = "voltage", gain = -1}}, x_1 = "angle"\''
+        ) from None
 
 
 def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) -> None:

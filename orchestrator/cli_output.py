@@ -1,0 +1,133 @@
+"""What all verbs share: where output goes, and how errors end."""
+
+import functools
+import json
+import logging
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from fractions import Fraction
+from math import isfinite
+from time import perf_counter
+from typing import Any, ParamSpec
+
+import typer
+
+P = ParamSpec("P")
+Progress = Callable[[Fraction], None]
+
+
+def command(function: Callable[P, None]) -> Callable[P, None]:
+    """Let every refusal end in one paragraph on stderr and an exit code."""
+
+    @functools.wraps(function)
+    def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
+        from fmus.build import BuildError
+        from fmus.compile import CompileError
+        from fmus.units import UnitError
+        from orchestrator.errors import FeedDriveError
+
+        try:
+            function(*args, **kwargs)
+        except FeedDriveError as error:
+            fail(str(error), error.exit_code)
+        except (BuildError, CompileError, UnitError) as error:
+            fail(str(error), 2)
+        except KeyboardInterrupt:
+            fail("interrupted; what was recorded until then can be read", 130)
+
+    return guarded
+
+
+def fail(message: str, code: int) -> None:
+    """Say what is wrong on stderr and end with an exit code."""
+    typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
+    typer.echo(message, err=True)
+    raise typer.Exit(code)
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print one JSON object on stdout; numbers that are not finite become null."""
+    typer.echo(json.dumps(_finite(content), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _finite(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def print_table(
+    head: Sequence[str], rows: Sequence[Sequence[str]], title: str = ""
+) -> None:
+    """Print a table on stdout; columns headed ``>name`` are aligned right."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
+    for place, name in enumerate(head):
+        cells = [row[place] for row in rows]
+        last = place == len(head) - 1
+        words = [word for cell in cells for word in (cell.split() if last else [cell])]
+        table.add_column(
+            name.removeprefix(">"),
+            justify="right" if name.startswith(">") else "left",
+            min_width=min(48, max(map(len, words), default=0)),
+            overflow="fold",
+        )
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)
+    console.print(table)
+
+
+def set_up_logs(verbose: bool) -> None:
+    """Send warnings (with ``verbose`` also notes) of a run to stderr."""
+    from rich.console import Console
+    from rich.logging import RichHandler
+
+    handler = RichHandler(
+        console=Console(stderr=True), show_path=False, show_time=False, markup=False
+    )
+    log = logging.getLogger("feeddrive")
+    log.handlers[:] = [handler]
+    log.setLevel(logging.INFO if verbose else logging.WARNING)
+    log.propagate = False
+
+
+@contextmanager
+def waiting(text: str) -> Iterator[None]:
+    """Show on stderr that something takes a while."""
+    from rich.console import Console
+
+    with Console(stderr=True).status(text):
+        yield
+
+
+@contextmanager
+def progress_bar(text: str, stop: Fraction) -> Iterator[Progress]:
+    """Show on stderr how far a run got and how its speed compares to real time."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.3f} of {task.total:.3f} s"),
+        TextColumn("{task.fields[factor]}"),
+    )
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(text, total=float(stop), factor="")
+        begun = perf_counter()
+
+        def tell(t: Fraction) -> None:
+            factor = float(t) / max(perf_counter() - begun, 1e-9)
+            bar.update(task, completed=float(t), factor=f"{factor:.3g} x real time")
+
+        yield tell
