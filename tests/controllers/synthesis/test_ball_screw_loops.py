@@ -241,6 +241,11 @@ def test_feed_forward_flattens_the_tracking_response(f_hz, options, magnitude, p
         assert found["phase"] == pytest.approx(phase, abs=0.6)
 
 
+def test_the_cascade_with_feed_forward_peaks_below_its_second_crossover():
+    found = tracking("p_pi", 80)
+    assert found["magnitude"] == pytest.approx(2.55, abs=5e-3)
+
+
 def test_the_prefilter_flattens_the_tracking_response_at_low_frequency():
     gains = {"K_vel": -5e-9, "K_acc": 2.537e-7, "K_jerk": 8e-11, "K_snap": 4.6e-12}
     for f_hz, magnitude in ((20, 0.9998), (80, 1.037), (120, 1.087)):

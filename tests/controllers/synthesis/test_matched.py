@@ -135,6 +135,7 @@ def test_leaving_out_infinite_zeros_gives_the_low_pass_with_a_whole_delay():
 roots = st.lists(st.floats(-3000, -0.01), max_size=4)
 
 
+@settings(deadline=None)
 @given(roots, roots, st.integers(-2, 2), st.floats(0.1, 10))
 def test_slow_signals_pass_as_through_the_transfer_function(zeros, poles, n, gain):
     zeros, poles = zeros + [0.0] * max(0, n), poles + [0.0] * max(0, -n)

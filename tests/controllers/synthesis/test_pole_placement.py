@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.synthesis import pole_placement
@@ -55,6 +55,7 @@ def test_wanted_poles_are_the_printed_ones():
     np.testing.assert_allclose(poles[[0, 1, 4]], printed, atol=6e-6)
 
 
+@settings(max_examples=30, deadline=None)
 @given(
     scale=st.tuples(*[st.floats(0.5, 2.0)] * 6),
     beta=st.floats(1.5, 6.0),

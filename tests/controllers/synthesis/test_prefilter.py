@@ -41,7 +41,7 @@ gains = st.tuples(
 )
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(gains)
 def test_identification_recovers_gains_of_very_different_size(K):
     x_r = smooth_move()
