@@ -13,7 +13,7 @@ import casadi as ca
 import control as ct
 import numpy as np
 
-from fmus.model import Continuous, FloatArray, Model, Record, leaves, pack
+from fmus.model import Continuous, FloatArray, Model, Record, leaves, pack, size
 from fmus.trace import trace
 
 
@@ -42,7 +42,10 @@ def linearise(
 
     Raises:
         LookupError: the model has no signal of that name.
+        ValueError: the model is a source, it has no input.
     """
+    if not size(model.input):
+        raise ValueError(f"{model.name} is a source: it has no input to linearise for")
     traced = trace(model)
     parameters = model.parameters if parameters is None else parameters
     state = model.state if state is None else state
