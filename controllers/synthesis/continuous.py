@@ -3,7 +3,7 @@
     MC-PPC   u = -G_fp (K_v1 ẋ_1 + K_v2 ẋ_2 + K_x1 x_1 + K_x2 x_2 + K_i2 x_2/s)
     P-PI     u = -G_fp (K_pv + K_iv/s) (ẋ_1 + K_px x_2)
 
-Inputs (ẋ_1, ẋ_2, x_1, x_2), so that no derivative has to be approximated.
+Inputs are (ẋ_1, ẋ_2, x_1, x_2): no derivative has to be approximated.
 Source: Gordon 2010, equations 3.5 to 3.10 and 3.27.
 """
 
