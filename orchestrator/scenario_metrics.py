@@ -9,7 +9,14 @@ are called ``<metric>.<figure>``.
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    model_validator,
+)
 
 from orchestrator.errors import did_you_mean
 from orchestrator.quantity import parse_time
@@ -43,7 +50,10 @@ def _window(value: Any) -> tuple[Fraction, Fraction]:
     return start, end
 
 
-Window: TypeAlias = Annotated[tuple[Fraction, Fraction], PlainValidator(_window)]
+# kept as exact times: pydantic's own serialiser of fractions warns of its own text
+Window: TypeAlias = Annotated[
+    tuple[Fraction, Fraction], PlainValidator(_window), PlainSerializer(list)
+]
 
 
 class _Metric(Strict):
