@@ -7,6 +7,7 @@ processes may build at once.
 """
 
 import os
+import platform as host
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,6 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 import platformdirs
 
 from fmus.closure import files_digest, module_name
-from fmus.compile import PLATFORMS, host_platform
 from fmus.load import PACKAGE, BuildError, load_model, sources
 
 if TYPE_CHECKING:
@@ -53,15 +53,18 @@ def build(
         BuildError: the options do not go together, or the module is missing, has
             no model, or one that cannot be traced or compiled.
     """
-    chosen = _platforms(kind, fmi, period, platforms)
+    _check_options(kind, fmi, period)
     files = sources(module)
+    wanted = tuple(sorted(set(platforms))) if platforms is not None else None
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
-    key = _key(files, kind, fmi, period, chosen)
+    here = (host.system(), host.machine())
+    key = _key(files, kind, fmi, period, here if wanted is None else wanted)
     place = cache_folder() / "fmus" / f"{module_name(module)}-{kind}{fmi}{rate}-{key}"
     fmu = next(place.glob("*.fmu"), None)
     if fmu is None:
         from fmus.package import native_contents, python_contents, subject_of
 
+        chosen = _platforms(kind, wanted)
         subject = subject_of(module, period)
         if kind == "native":
             cache = cache_folder() / "libraries"
@@ -81,10 +84,7 @@ def cache_folder() -> Path:
     return Path(chosen) if chosen else platformdirs.user_cache_path("feeddrive")
 
 
-def _platforms(
-    kind: FmuKind, fmi: int, period: Fraction | None, platforms: Sequence[str] | None
-) -> tuple[str, ...]:
-    """Check the options; return the platforms, sorted."""
+def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
     if kind not in get_args(FmuKind):
         raise BuildError(f"there is no kind {kind!r} of FMU: choose native or python")
     if fmi not in (2, 3):
@@ -93,13 +93,25 @@ def _platforms(
         raise BuildError("Python FMUs are FMI 2 only: choose fmi=2 or kind='native'")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
-    if kind == "python":
-        from fmus.python_fmu import PLATFORMS as KNOWN
 
-        known, default = tuple(KNOWN), tuple(KNOWN)
+
+def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
+    """Return the platforms to build for; an unknown one is refused."""
+    if kind == "native":
+        from fmus.compile import PLATFORMS, CompileError, host_platform
+
+        known = tuple(PLATFORMS)
     else:
-        known, default = tuple(PLATFORMS), (host_platform(),)
-    wanted = default if platforms is None else tuple(sorted(set(platforms)))
+        from fmus.python_fmu import PLATFORMS as FROM_PYTHONFMU
+
+        known = FROM_PYTHONFMU
+    if wanted is None and kind == "python":
+        return known
+    if wanted is None:
+        try:
+            return (host_platform(),)
+        except CompileError as error:
+            raise BuildError(str(error)) from None
     unknown = [name for name in wanted if name not in known]
     if unknown or not wanted:
         raise BuildError(
