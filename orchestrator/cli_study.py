@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from orchestrator.session import Run
 
 STUDY = "ball_screw_pole_placement"
-COMPARED = ("track_500_p_pi_a", "track_500_mc_ppc")
+COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
 
 
 @command

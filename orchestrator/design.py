@@ -5,8 +5,7 @@ tuple or a record of parameters.  An argument ``component.parameter`` is read
 from the scenario as it stands in its file, not as ``--set`` changed that
 component: what a design is told changes by ``--set design.<step>.<argument>``.
 Steps run in the order of writing; a later one sees what an earlier one found.
-``signals`` of an earlier run are arrays (n,): a recorded variable, or the
-difference of two of one unit, ``"a - b"``; with them comes their ``T_s`` (s).
+``signals`` of an earlier run are arrays (n,); with them comes their ``T_s`` (s).
 """
 
 import importlib
@@ -148,13 +147,12 @@ def _argument(value: Any, lookup: Lookup) -> Any:
 
 
 def _signals(step: DesignSpec, recorded: Mapping[str, Signal]) -> dict[str, Any]:
-    names = {argument: _terms(text) for argument, text in step.signals.items()}
-    used = {name: None for terms in names.values() for name in terms}
-    for name in used:
+    taken = {}
+    for argument, name in step.signals.items():
         if name not in recorded:
             remedy = did_you_mean(name, recorded)
             raise DesignError(f"{step.from_run} does not record {name}; {remedy}")
-    taken = {name: recorded[name] for name in used}
+        taken[argument] = recorded[name]
     first = next(iter(taken.values()))
     for signal in taken.values():
         if not np.array_equal(signal.time, first.time):
@@ -165,22 +163,4 @@ def _signals(step: DesignSpec, recorded: Mapping[str, Signal]) -> dict[str, Any]
     if len(first) < 2:
         raise DesignError(f"{step.from_run} recorded fewer than two rows")
     T_s = float(first.time[-1] - first.time[0]) / (len(first) - 1)
-    arrays = {argument: _values(taken, *terms) for argument, terms in names.items()}
-    return {"T_s": T_s} | arrays
-
-
-def _values(taken: Mapping[str, Signal], plus: str, *minus: str) -> Any:
-    values = np.asarray(taken[plus].values)
-    for name in minus:
-        if taken[name].unit != taken[plus].unit:
-            raise DesignError(
-                f"{plus} in {taken[plus].unit} minus {name} in {taken[name].unit}: "
-                f"signals of one unit are subtracted"
-            )
-        values = values - taken[name].values
-    return values
-
-
-def _terms(text: str) -> list[str]:
-    """Return the signals of ``a`` or ``a - b``."""
-    return [term.strip() for term in text.split(" - ", 1)]
+    return {"T_s": T_s} | {k: np.asarray(s.values) for k, s in taken.items()}
