@@ -184,9 +184,19 @@ static double tick_time(const State *state) {
            (double)(state->tick * M.period_num) / (double)M.period_den;
 }
 
+/* End of the step: by the caller's clock or by the sum of all steps, whichever
+   is earlier.  A caller's t += h runs ahead by more than 1e-6 T_s in seconds. */
+static double step_end(State *state, double t, double h) {
+    double part = h - state->excess, sum = state->elapsed + part;
+    state->excess = (sum - state->elapsed) - part; /* Kahan */
+    state->elapsed = sum;
+    return fmin(t + h, state->start_time + sum);
+}
+
 static void sampled_step(Simulation *s, double t, double h) {
     double *v = s->state->values, T_s = v[M.T_s];
-    while (tick_time(s->state) < t + h - 1e-6 * T_s) {
+    double end = step_end(s->state, t, h) - 1e-6 * T_s;
+    while (tick_time(s->state) < end) {
         evaluate(s, M.step, v + M.x, v + M.u, v + M.T_s, s->x, v + M.y);
         memcpy(v + M.x, s->x, M.n_x * sizeof(double));
         s->state->tick++;

@@ -4,7 +4,7 @@
    Runge-Kutta substeps (or the model's advance), cut where a delayed input
    changes; outputs and derivatives are then those at the new time with the
    inputs of the step.  Sampled: tick j runs in the step that ends after
-   start + j*T_s; several ticks may fall into one step, or none.
+   start + j*T_s + 1e-6*T_s; several ticks may fall into one step, or none.
 
    Outside stepping, outputs follow whatever is set, computed when asked for:
    those of output(), or of step() with the state left as it is.  Everything an
@@ -17,6 +17,7 @@
 
 typedef struct {
     double start_time, stop_time; /* s; stop_time is infinite if undefined */
+    double elapsed, excess;       /* sum of all steps (s), and its rounding */
     long long tick;               /* the next one to run */
     int phase;                    /* of the component's state machine */
     int derived_stale;            /* prepare must run before the next equation */

@@ -1,0 +1,243 @@
+"""The compiled library: what it exports and needs, and hosts without Python."""
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fmus import compile as compiler
+from fmus.compile import (
+    PLATFORMS,
+    CompileError,
+    compile_library,
+    host_platform,
+    universal_binary,
+)
+from fmus.native_source import adapter_sources, source_names
+
+TOKEN = "token-100%"
+linux_only = pytest.mark.skipif(
+    not host_platform().startswith("linux"), reason="reads an ELF file"
+)
+
+
+def run(program: Path, *arguments: Any) -> str:
+    command = [str(program), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, env={})
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_host_without_python_gets_the_same_numbers(
+    compiled: Callable, host_program: Path
+) -> None:
+    built = compiled("pi")
+    places = built.layout
+    references = [places[name].reference for name in ("r", "u", "state.q")]
+    text = run(host_program, built.library, TOKEN, "steps", 100, 1, 20_000, *references)
+    rows = [[float(number) for number in line.split()] for line in text.splitlines()]
+    it = built.new().begin()
+    T_s = 1 / 20_000
+    for k, row in enumerate(rows):
+        it.set("r", k)
+        it.step(k / 20_000, T_s)
+        assert row == [it.get("u"), it.get("state.q")]
+    assert len(rows) == 100
+
+
+@pytest.mark.parametrize("noise", ["exact", "sum", "jitter", "difference", "less"])
+@pytest.mark.parametrize("name", ["pi", "third"])
+def test_no_tick_is_lost_or_doubled_in_ten_million_steps(
+    compiled: Callable, host_program: Path, name: str, noise: str
+) -> None:
+    built = compiled(name)
+    n = 10_000_000
+    period: Fraction = built.model.period
+    reference = built.layout["state.k"].reference
+    step = (period.numerator, period.denominator)
+    ticks = run(
+        host_program, built.library, TOKEN, "count", n, *step, noise, reference, 1, 1
+    )
+    assert int(ticks) == n
+
+
+def test_steps_longer_than_the_period_lose_no_tick(
+    compiled: Callable, host_program: Path
+) -> None:
+    """1e7 steps of T_s (1 + 1e-12) last 1e-5 T_s longer than 1e7 periods."""
+    built = compiled("pi")
+    reference = built.layout["state.k"].reference
+    more = (10_000_000, 1, 20_000, "more", reference, 0, 2)
+    ticks = run(host_program, built.library, TOKEN, "count", *more)
+    assert int(ticks) == 10_000_001
+
+
+@pytest.mark.parametrize("noise", ["exact", "sum", "difference", "jitter"])
+def test_continuous_steps_always_take_the_same_number_of_substeps(
+    compiled: Callable, host_program: Path, noise: str
+) -> None:
+    built = compiled("counter")
+    reference = built.layout["state.x"].reference
+    arguments = (1_000_000, 1, 20_000, noise, reference)
+    last = run(host_program, built.library, TOKEN, "count", *arguments, 5, 5)
+    assert int(last) == 5_000_001
+
+
+@linux_only
+@pytest.mark.parametrize("name", ["shaft", "late"])
+def test_memory_stays_flat(compiled: Callable, host_program: Path, name: str) -> None:
+    growth = run(host_program, compiled(name).library, TOKEN, "churn", 10_000)
+    assert int(growth) <= 8
+
+
+def declared_functions() -> set[str]:
+    text = "".join(adapter_sources()[f"fmi{v}Functions.h"] for v in (2, 3))
+    return set(re.findall(r"FMI[23]_Export fmi\w+TYPE\s+(\w+);", text))
+
+
+@linux_only
+def test_every_function_of_both_standards_is_exported_and_nothing_else(
+    compiled: Callable,
+) -> None:
+    text = subprocess.run(
+        ["readelf", "--dyn-syms", "-W", compiled("pi").library],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    exported = {
+        fields[7]
+        for fields in map(str.split, text.splitlines())
+        if len(fields) == 8 and fields[6].isdigit()
+    }
+    assert len(declared_functions()) > 100
+    assert exported == declared_functions()
+
+
+@linux_only
+@pytest.mark.parametrize("name", ["shaft", "pi", "late"])
+def test_only_libc_and_libm_are_needed(compiled: Callable, name: str) -> None:
+    text = subprocess.run(
+        ["readelf", "-d", "-V", "-W", compiled(name).library],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    needed = set(re.findall(r"\(NEEDED\).*\[(.*)\]", text))
+    assert needed <= {"libc.so.6", "libm.so.6", "ld-linux-x86-64.so.2"}
+    versions = {
+        tuple(map(int, v.split("."))) for v in re.findall(r"GLIBC_([\d.]+)", text)
+    }
+    assert max(versions) <= (2, 17)
+
+
+def test_other_folders_give_the_same_bytes(compiled: Callable, tmp_path: Path) -> None:
+    generated = compiled("shaft").generated
+    made = [
+        compile_library("Shaft", generated, host_platform(), tmp_path / folder)
+        for folder in ("here", "some other place/with spaces")
+    ]
+    one, other = (path.read_bytes() for path in made)
+    assert one == other == compiled("shaft").library.read_bytes()
+    assert str(tmp_path).encode() not in one
+    assert str(Path.cwd()).encode() not in one
+
+
+def test_a_second_build_is_taken_from_the_cache(
+    compiled: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    generated = compiled("pi").generated
+    first = compile_library("Pi", generated, host_platform(), tmp_path)
+    monkeypatch.setattr(compiler, "_zig_cc", None)
+    assert compile_library("Pi", generated, host_platform(), tmp_path) == first
+    assert not list(tmp_path.glob(".building-*"))
+
+
+HEADERS = {
+    "linux-x86_64": (b"\x7fELF", 18, b"\x3e\x00"),
+    "linux-aarch64": (b"\x7fELF", 18, b"\xb7\x00"),
+    "macos-x86_64": (b"\xcf\xfa\xed\xfe", 4, b"\x07\x00\x00\x01"),
+    "macos-arm64": (b"\xcf\xfa\xed\xfe", 4, b"\x0c\x00\x00\x01"),
+}
+
+
+@pytest.mark.parametrize("platform", HEADERS)
+def test_each_platform_gets_its_own_binary(
+    compiled: Callable, tmp_path: Path, platform: str
+) -> None:
+    magic, offset, machine = HEADERS[platform]
+    library = compile_library("Pi", compiled("pi").generated, platform, tmp_path)
+    data = library.read_bytes()
+    assert library.suffix == PLATFORMS[platform].suffix
+    assert data.startswith(magic)
+    assert data[offset : offset + 2] == machine[:2]
+    assert b"fmi3DoStep" in data
+
+
+def test_one_file_serves_both_macs() -> None:
+    slices = {"macos-x86_64": b"intel" * 1000, "macos-arm64": b"apple" * 4000}
+    data = universal_binary(slices)
+    words = np.frombuffer(data[:48], dtype=">u4")
+    assert words[0] == 0xCAFEBABE
+    assert words[1] == 2
+    for entry, part in zip(words[2:12].reshape(2, 5), slices.values(), strict=True):
+        offset, size = entry[2:4]
+        assert offset % 2 ** entry[4] == 0
+        assert data[offset : offset + size] == part
+
+
+def test_an_unknown_platform_is_named(tmp_path: Path) -> None:
+    with pytest.raises(CompileError, match="amiga: no such platform; there are linux"):
+        compile_library("Pi", {}, "amiga", tmp_path)
+
+
+def test_a_refused_source_shows_command_and_complaint(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(CompileError) as caught:
+        compile_library("Pi", {"model_data.c": "int f( {"}, host_platform(), tmp_path)
+    message = str(caught.value)
+    assert "ziglang cc -target" in message
+    assert "error: expected" in message
+    assert "pip install" in message
+
+
+def test_a_missing_compiler_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(name: str) -> str:
+        raise compiler.PackageNotFoundError(name)
+
+    monkeypatch.setattr(compiler, "version", missing)
+    with pytest.raises(CompileError, match="pip install 'feeddrive"):
+        compile_library("Pi", {}, host_platform(), tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+def test_another_compiler_finds_nothing_to_complain_about(
+    compiled: Callable, tmp_path: Path
+) -> None:
+    sources = adapter_sources() | compiled("late").generated
+    for name, text in sources.items():
+        (tmp_path / name).write_text(text)
+    flags = ["-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter"]
+    subprocess.run(
+        [
+            "gcc",
+            *flags,
+            "-shared",
+            "-fPIC",
+            *source_names(sources),
+            "-o",
+            "a.so",
+            "-lm",
+        ],
+        cwd=tmp_path,
+        check=True,
+    )
