@@ -20,6 +20,7 @@ from orchestrator.scenario_metrics import (
     Expectation,
     Factor,
     MetricSpec,
+    OnsetMetric,
     PlainMetric,
     SettlingMetric,
     SineMetric,
@@ -63,17 +64,20 @@ def evaluate(
 
 
 def scaled(
-    spec: MetricSpec, signal: Signal, parameter: Parameters
+    spec: MetricSpec, signal: Signal, parameter: Parameters, to_unit: str | None
 ) -> tuple[Array, str]:
-    """Return a signal's values, shape (n,), in the unit of a metric, and that unit."""
+    """Return a signal's values (n,) with a metric's factors in a unit, and that unit.
+
+    Without ``to_unit`` the unit is that of signal * scale / per.
+    """
     scale, per = (_factor(f, parameter) for f in (spec.scale, spec.per))
     if per.value == 0:
         raise ScenarioError(f"per: {spec.per} is zero")
     unit = quotient_unit(product_unit(signal.unit, scale.unit), per.unit)
     values = signal.values * (scale.value / per.value)
-    if spec.unit is not None and spec.unit != unit:
-        values = converter(unit, spec.unit)(values)
-    return values, spec.unit or unit
+    if to_unit is not None and to_unit != unit:
+        values = converter(unit, to_unit)(values)
+    return values, to_unit or unit
 
 
 def _factor(factor: Factor, parameter: Parameters) -> Quantity:
@@ -87,26 +91,34 @@ def _figures(
     of = taken["of"]
     rows = _rows(spec, of)
     time = of.time[rows]
-    values, unit = scaled(spec, of, parameter)
+    own = None if isinstance(spec, SineMetric) and spec.against else spec.unit
+    values, unit = scaled(spec, of, parameter, own)
     y = values[rows]
-    other = None
-    if (against := taken.get("against")) is not None:
-        _same_rows(of, against)
-        reference, reference_unit = scaled(spec, against, parameter)
-        other = converter(reference_unit, unit)(reference)[rows]
     if isinstance(spec, ErrorMetric):
-        assert other is not None
-        return _of_error(other - y, unit)
+        against = _beside(of, taken["against"])
+        reference, _ = scaled(spec, against, parameter, unit)
+        return _of_error(reference[rows] - y, unit)
     if isinstance(spec, PlainMetric):
         return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
     if isinstance(spec, SettlingMetric):
         start = float(spec.window[0]) if spec.window else 0.0
         return settling(time - start, y - spec.final, spec.band, unit)
+    if isinstance(spec, OnsetMetric):
+        ramp = _beside(of, taken["ramp"])
+        return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
     frequency = _factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
-    return _sine(spec, time, y, other, hertz, unit)
+    amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
+    if "against" not in taken:
+        return {"amplitude": amplitude, "phase": _phase(c)}
+    against = _beside(of, taken["against"])
+    base = sine_fit(time, against.values[rows], hertz)
+    if base == 0:
+        raise ScenarioError(f"{against.name} has no component at {hertz:g} Hz")
+    ratio = Quantity(abs(c / base), quotient_unit(unit, against.unit))
+    return {"ratio": ratio.to(spec.unit), "phase": _phase(c / base)}
 
 
 _PLAIN: dict[str, Callable[[Array], float]] = {
@@ -156,19 +168,8 @@ def sine_fit(time: Array, y: Array, hertz: float) -> complex:
     return complex(real, imaginary)
 
 
-def _sine(
-    spec: SineMetric, time: Array, y: Array, other: Array | None, hertz: float, u: str
-) -> dict[str, Quantity]:
-    amplitude = sine_fit(time, y, hertz)
-    if other is None:
-        size = {"amplitude": Quantity(abs(amplitude), u)}
-    else:
-        base = sine_fit(time, other, hertz)
-        if base == 0:
-            raise ScenarioError(f"{spec.against} has no component at {hertz:g} Hz")
-        amplitude = amplitude / base
-        size = {"ratio": Quantity(abs(amplitude))}
-    return size | {"phase": Quantity(float(np.angle(amplitude, deg=True)), "deg")}
+def _phase(c: complex) -> Quantity:
+    return Quantity(float(np.angle(c, deg=True)), "deg")
 
 
 def spectrum_line(
@@ -189,6 +190,33 @@ def spectrum_line(
     }
 
 
+def onset(
+    time: Array, y: Array, ramp: Array, piece: float, unit: str
+) -> dict[str, Quantity]:
+    """Return ramp and time where the oscillation of y stops to decay; all (n,).
+
+    The logarithm of its size, piece by piece (s), is smallest there (parabola
+    through the three lowest pieces).
+
+    Raises:
+        ScenarioError: the oscillation only decays or only grows.
+    """
+    rows = max(2, round(piece * (len(time) - 1) / (time[-1] - time[0])))
+    count = len(y) // rows
+    size = np.std(y[: count * rows].reshape(count, rows), axis=1)
+    lowest = int(np.argmin(size))
+    if not 0 < lowest < count - 1:
+        raise ScenarioError(
+            "the oscillation does not first decay and then grow: no onset between "
+            f"{ramp[0]:g} and {ramp[-1]:g} {unit}"
+        )
+    left, here, right = np.log(size[lowest - 1 : lowest + 2])
+    middle = lowest + 0.5 * (left - right) / (left - 2 * here + right)
+    at = float(np.interp((middle + 0.5) * rows - 0.5, np.arange(len(time)), time))
+    limit = float(np.interp(at, time, ramp))
+    return {"limit": Quantity(limit, unit), "time": Quantity(at, "s")}
+
+
 def _recorded(name: str, signals: Mapping[str, Signal]) -> Signal:
     if name not in signals:
         raise ScenarioError(f"{name} was not recorded; {did_you_mean(name, signals)}")
@@ -207,12 +235,14 @@ def _rows(spec: MetricSpec, signal: Signal) -> slice:
     return slice(first, last)
 
 
-def _same_rows(a: Signal, b: Signal) -> None:
+def _beside(a: Signal, b: Signal) -> Signal:
+    """Return b, recorded at the times of a."""
     if not np.array_equal(a.time, b.time):
         raise ScenarioError(
             f"{a.name} and {b.name} were recorded at different times "
             f"({len(a)} and {len(b)} rows); record both at one rate"
         )
+    return b
 
 
 def check(

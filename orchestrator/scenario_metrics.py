@@ -99,7 +99,7 @@ class SettlingMetric(_Metric):
 class SineMetric(_Metric):
     """Least-squares sine at ``frequency_hz``: ``.amplitude`` and ``.phase`` (deg).
 
-    With ``against``: ``.ratio`` and ``.phase`` of one signal over the other.
+    With ``against``: ``.ratio`` (in ``unit``) and ``.phase`` of one over the other.
     """
 
     kind: Literal["sine"]
@@ -119,8 +119,29 @@ class SpectrumMetric(_Metric):
     frequency_hz: Factor
 
 
+class OnsetMetric(_Metric):
+    """``.limit``: value of ``ramp`` at which the oscillation of ``of`` begins to grow,
+    and ``.time`` (s) of it.
+
+    A gain that rises slowly passes the limit of stability where the oscillation,
+    as root mean square over pieces of ``piece`` (s), is smallest.
+    """
+
+    kind: Literal["onset"]
+    ramp: str
+    piece: float = Field(default=0.05, gt=0)
+
+    def signals(self) -> dict[str, str]:
+        return {"of": self.of, "ramp": self.ramp}
+
+
 MetricSpec: TypeAlias = Annotated[
-    ErrorMetric | PlainMetric | SettlingMetric | SineMetric | SpectrumMetric,
+    ErrorMetric
+    | OnsetMetric
+    | PlainMetric
+    | SettlingMetric
+    | SineMetric
+    | SpectrumMetric,
     Field(discriminator="kind"),
 ]
 
