@@ -6,7 +6,8 @@ A scenario is TOML: ``stop``, ``rates``, ``components``, ``connections``,
     start value of the FMU < design step < scenario file < --set
 
 ``base = "other.toml"`` inherits from a scenario of the same folder, table by
-table; an inherited entry is removed by the value ``false``.  Every complaint
+table, ``base = ["one.toml", "two.toml"]`` from several, the later before the
+earlier; an inherited entry is removed by the value ``false``.  Every complaint
 names the file and the key path.  ``nominal`` is the scenario without what the
 command line changed on components: what design steps are told.
 """
@@ -157,30 +158,34 @@ def read_toml(file: Path) -> dict[str, Any]:
 
 
 def read_scenario(file: Path) -> dict[str, Any]:
-    """Return a scenario's tables with everything it inherits from its base.
+    """Return a scenario's tables with everything it inherits from its bases.
 
     Raises:
         ScenarioError: a base is missing, malformed or inherits from itself.
     """
-    raw = read_toml(file)
-    chain = [file.resolve()]
-    layers = [raw]
-    while (base := layers[-1].pop("base", None)) is not None:
-        parent = chain[-1].parent / str(base)
-        if not parent.is_file():
-            known = [f.name for f in parent.parent.glob("*.toml")]
-            raise ScenarioError(
-                f"{chain[-1]}: base: no file {str(base)!r} beside it; "
-                f"{did_you_mean(str(base), known)}"
-            )
-        if parent.resolve() in chain:
-            raise ScenarioError(f"{chain[-1]}: base: {base} inherits from itself")
-        chain.append(parent.resolve())
-        layers.append(read_toml(parent))
     merged: dict[str, Any] = {}
-    for layer in reversed(layers):
+    for layer in _layers(file.resolve(), ()).values():
         merged = _inherit(merged, layer)
     return merged
+
+
+def _layers(file: Path, heirs: tuple[Path, ...]) -> dict[Path, dict[str, Any]]:
+    """Return the tables of a file behind those of its bases, each file once."""
+    raw = read_toml(file)
+    bases = raw.pop("base", [])
+    layers: dict[Path, dict[str, Any]] = {}
+    for base in bases if isinstance(bases, list) else [bases]:
+        parent = (file.parent / str(base)).resolve()
+        if not parent.is_file():
+            known = [f.name for f in file.parent.glob("*.toml")]
+            raise ScenarioError(
+                f"{file}: base: no file {str(base)!r} beside it; "
+                f"{did_you_mean(str(base), known)}"
+            )
+        if parent in (*heirs, file):
+            raise ScenarioError(f"{file}: base: {base} inherits from itself")
+        layers = {**layers, **_layers(parent, (*heirs, file))}
+    return {**layers, file: raw}
 
 
 def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
