@@ -11,6 +11,8 @@ from typing import Annotated, NamedTuple
 from fmus.model import Sampled, Var
 from plants._friction import Stribeck, friction
 
+Parameters = Stribeck
+
 
 class State(NamedTuple):
     """The law has no memory."""
@@ -24,7 +26,7 @@ class Output(NamedTuple):
     u_f: Annotated[float, Var("V", "friction feed-forward")]
 
 
-def step(x: State, u: Input, p: Stribeck, T_s: float) -> tuple[State, Output]:
+def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the friction expected at the commanded velocity."""
     return x, Output(friction(u.v_r, p))
 
@@ -34,6 +36,6 @@ model = Sampled(
     step,
     State(),
     Input(),
-    Stribeck(),
+    Parameters(),
     period=Fraction(1, 20_000),
 )

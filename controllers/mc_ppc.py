@@ -23,7 +23,6 @@ from controllers import prefilter as pre_filter
 from controllers._command import Input, Inversion, Output, Rotary
 from controllers._sections import LowPass
 from fmus.model import Sampled, Var
-from plants._friction import Stribeck
 
 
 class State(NamedTuple):
@@ -57,7 +56,7 @@ class Parameters(NamedTuple):
     rotary: Rotary = Rotary()
     inversion: Inversion = Inversion()
     filters: filter_pack.Parameters = filter_pack.Parameters()
-    friction: Stribeck = Stribeck()
+    friction: friction_feedforward.Parameters = friction_feedforward.Parameters()
 
 
 class Derived(NamedTuple):

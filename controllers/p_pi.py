@@ -23,7 +23,6 @@ from controllers import prefilter as pre_filter
 from controllers._command import Input, Inversion, Output
 from controllers._sections import LowPass
 from fmus.model import Sampled, Var
-from plants._friction import Stribeck
 
 
 class State(NamedTuple):
@@ -52,7 +51,7 @@ class Parameters(NamedTuple):
     omega_c_hz: Annotated[float, Var("Hz", "low-pass of the pre-filter", min=0)] = 80.0
     inversion: Inversion = Inversion()
     filters: filter_pack.Parameters = filter_pack.Parameters()
-    friction: Stribeck = Stribeck()
+    friction: friction_feedforward.Parameters = friction_feedforward.Parameters()
 
 
 class Derived(NamedTuple):
