@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.metrics_motion import contour_error, onset, step_response
 from orchestrator.quantity import Quantity, converter, product_unit, quotient_unit
 from orchestrator.result import Signal
 from orchestrator.scenario_metrics import (
+    ContourMetric,
     ErrorMetric,
     Expectation,
     Factor,
@@ -25,6 +27,7 @@ from orchestrator.scenario_metrics import (
     SettlingMetric,
     SineMetric,
     SpectrumMetric,
+    StepMetric,
 )
 
 Array: TypeAlias = NDArray[np.float64]
@@ -100,6 +103,24 @@ def _figures(
         return _of_error(reference[rows] - y, unit)
     if isinstance(spec, PlainMetric):
         return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
+    if isinstance(spec, StepMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        height = _in_unit(_factor(spec.height, parameter), unit)
+        return step_response(time - start, y, height, spec.band, unit)
+    if isinstance(spec, ContourMetric):
+        x_across, _ = scaled(spec, taken["across"], parameter)
+        _same_rows(of, taken["across"])
+        size = _in_unit(_factor(spec.size, parameter), unit)
+        outside = contour_error(y, x_across[rows], spec.shape, size)
+        kinds = ("peak", "max", "min")
+        return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
+    if isinstance(spec, OnsetMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        level = taken["level"]
+        _same_rows(of, level)
+        times = float(spec.dwell), float(spec.tail)
+        found = onset(time - start, y, level.values[rows], *times, spec.span)
+        return {"onset": Quantity(found, level.unit)}
     if isinstance(spec, SettlingMetric):
         start = float(spec.window[0]) if spec.window else 0.0
         return settling(time - start, y - spec.final, spec.band, unit)
@@ -128,7 +149,13 @@ _PLAIN: dict[str, Callable[[Array], float]] = {
     "max": lambda y: float(np.max(y)),
     "min": lambda y: float(np.min(y)),
     "final": lambda y: float(y[-1]),
+    "span": lambda y: float(np.ptp(y)),
 }
+
+
+def _in_unit(quantity: Quantity, unit: str) -> float:
+    """Return the value of a quantity in a unit; a plain number is in it already."""
+    return quantity.value if quantity.unit == "1" else quantity.to(unit).value
 
 
 def _of_error(e: Array, unit: str) -> dict[str, Quantity]:

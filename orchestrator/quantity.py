@@ -131,14 +131,13 @@ def converter(source: str, sink: str) -> Callable[[Any], Any]:
 
 def product_unit(*units: str) -> str:
     """Return the unit of a product of quantities, as models write units."""
-    factors = [unit for unit in units if unit != "1"]
-    if len(factors) < 2:
-        return factors[0] if factors else "1"
-    return ".".join(f"({unit})" for unit in factors)
+    return ".".join(unit for unit in units if unit != "1") or "1"
 
 
 def quotient_unit(above: str, below: str) -> str:
     """Return the unit of a quotient of two quantities, as models write units."""
     if below == "1":
         return above
-    return "1" if above == below else f"({above})/({below})"
+    if above == below:
+        return "1"
+    return f"{above}/({below})" if set("./") & set(below) else f"{above}/{below}"

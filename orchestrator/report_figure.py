@@ -137,10 +137,9 @@ def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
         if not isinstance(metric, ErrorMetric):
             continue
         of, against = run[metric.of], run[metric.against]
-        actual, unit = scaled(metric, of, run.composition.parameter)
-        reference, its = scaled(metric, against, run.composition.parameter)
-        if its != unit:
-            reference = converter(its, unit)(reference)
+        parameter = run.composition.parameter
+        actual, unit = scaled(metric, of, parameter, metric.unit)
+        reference, _ = scaled(metric, against, parameter, unit)
         error = reference - actual
         large, readable = _readable(unit, np.max(np.abs(reference)))
         first = Panel(f"{name}: reference and actual", readable)

@@ -51,6 +51,7 @@ def _window(value: Any) -> tuple[Fraction, Fraction]:
 
 
 # kept as exact times: pydantic's own serialiser of fractions warns of its own text
+Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Window: TypeAlias = Annotated[
     tuple[Fraction, Fraction], PlainValidator(_window), PlainSerializer(list)
 ]
@@ -79,9 +80,10 @@ class ErrorMetric(_Metric):
 
 
 class PlainMetric(_Metric):
-    """One figure of a signal, called as the kind; ``peak`` is of the magnitude."""
+    """One figure of a signal, called as the kind; ``peak`` is of the magnitude,
+    ``span`` is max - min."""
 
-    kind: Literal["peak", "rms", "mean", "max", "min", "final"]
+    kind: Literal["peak", "rms", "mean", "max", "min", "final", "span"]
 
 
 class SettlingMetric(_Metric):
@@ -133,6 +135,51 @@ class OnsetMetric(_Metric):
 
     def signals(self) -> dict[str, str]:
         return {"of": self.of, "ramp": self.ramp}
+
+
+class StepMetric(_Metric):
+    """Response to a step of ``height`` at the window's begin, up from 0.
+
+    ``.rise`` (s, 10 to 90 %), ``.overshoot`` (%), ``.settling`` (s, until the error
+    stays within ``band``, in ``unit``) and the last ``.error``.
+    """
+
+    kind: Literal["step"]
+    height: Factor
+    band: float = Field(gt=0)
+
+
+class ContourMetric(_Metric):
+    """Deviation of two axes, ``of`` and ``across``, from a contour of ``size``.
+
+    ``.peak`` (largest magnitude), ``.max`` (outside) and ``.min`` (inside); a circle
+    of radius ``size``, or a diamond |x| + |y| = ``size``.
+    """
+
+    kind: Literal["contour"]
+    across: str
+    shape: Literal["circle", "diamond"]
+    size: Factor
+
+    def signals(self) -> dict[str, str]:
+        return {"of": self.of, "across": self.across}
+
+
+class OnsetMetric(_Metric):
+    """``.onset``: value of ``level`` on its first stair that ends oscillating.
+
+    Stairs last ``dwell`` from the window's begin; oscillating means that ``of`` spans
+    more than ``span`` (in ``unit``) in the last ``tail`` of a stair.
+    """
+
+    kind: Literal["onset"]
+    level: str
+    dwell: Time
+    tail: Time
+    span: float = Field(gt=0)
+
+    def signals(self) -> dict[str, str]:
+        return {"of": self.of, "level": self.level}
 
 
 MetricSpec: TypeAlias = Annotated[

@@ -11,7 +11,7 @@ known when the scenario is composed, from the FMU's variables.
 """
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +46,11 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
     elif head in components and rest:
         _set_component(components[head], text, rest, value)
         return True
+    elif rest:
+        _known(text, "component", head, [*components, "rates", "design"])
     else:
-        tables = [f"{t}.{n}" for t in ("rates", "design") for n in raw.get(t, {})]
-        known = [f"{name}.<parameter>" for name in components]
-        remedy = did_you_mean(key, (*known, *tables, "stop", "fmi"))
-        raise ScenarioError(f"--set {text}: there is no {key!r}; {remedy}")
+        known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
+        raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
     return False
 
 
@@ -143,7 +143,7 @@ def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
         steps[name].setdefault("arguments", {})[argument] = value
 
 
-def _known(text: str, noun: str, name: str, table: Mapping[str, Any]) -> None:
+def _known(text: str, noun: str, name: str, table: Iterable[str]) -> None:
     if name not in table:
         remedy = did_you_mean(name, table)
         raise ScenarioError(f"--set {text}: there is no {noun} {name!r}; {remedy}")
