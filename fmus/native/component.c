@@ -17,15 +17,22 @@ static void tell(const Component *c, const char *message) {
 }
 
 int component_refuse(Component *c, const char *format, ...) {
-    char message[512];
-    if (c->logging) {
-        int n = snprintf(message, sizeof message, "%.80s: ", c->name);
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(message + n, sizeof message - (size_t)n, format, arguments);
-        va_end(arguments);
-        tell(c, message);
-    }
+    if (!c->logging)
+        return STATUS_ERROR;
+    va_list arguments;
+    va_start(arguments, format);
+    int size = vsnprintf(NULL, 0, format, arguments) + 1;
+    va_end(arguments);
+    size_t name = strlen(c->name) + 2;
+    char *message = malloc(name + (size_t)size);
+    if (!message)
+        return STATUS_ERROR;
+    sprintf(message, "%s: ", c->name);
+    va_start(arguments, format);
+    vsnprintf(message + name, (size_t)size, format, arguments);
+    va_end(arguments);
+    tell(c, message);
+    free(message);
     return STATUS_ERROR;
 }
 
@@ -153,37 +160,35 @@ int component_move(Component *c, const char *function, int from, int to) {
     return STATUS_OK;
 }
 
-/* "K" or "element 3 of K", counted from 1 with rows first. */
-static const char *element(unsigned reference, char *text, size_t size) {
+/* The variable of a reference; part is "" or "element 3 of ", rows first. */
+static const char *name_of(unsigned reference, char part[32]) {
     const Variable *v = M.variables + M.variable_of[reference];
-    if (v->size == 1)
-        return v->name;
-    snprintf(text, size, "element %u of %.160s", reference - v->reference + 1,
-             v->name);
-    return text;
+    part[0] = '\0';
+    if (v->size > 1)
+        snprintf(part, 32, "element %u of ", reference - v->reference + 1);
+    return v->name;
 }
 
 static int fit_to_go_on(Component *c, const char *function) {
-    char text[200];
+    char part[32];
     unsigned wrong = simulation_not_finite(&c->simulation);
     if (wrong == M.size)
         return 1;
-    const State *state = c->simulation.state;
-    component_refuse(c, "%s: %s is %g at t = %.9g s; finite values were expected",
-                     function, element(wrong, text, sizeof text),
-                     state->values[wrong], state->values[M.size - 1]);
+    const double *values = c->simulation.state->values;
+    const char *name = name_of(wrong, part);
+    component_refuse(c, "%s: %s%s is %g at t = %.9g s; finite values were expected",
+                     function, part, name, values[wrong], values[M.size - 1]);
     return 0;
 }
 
 static int dead_times_fit(Component *c, const char *function) {
+    char part[32];
     unsigned i = simulation_bad_delay(&c->simulation);
-    char text[200];
     if (i == M.n_delays)
         return 1;
-    unsigned tau = M.delays[i].dead_time;
-    component_refuse(c, "%s: dead time %s is %g s; it cannot be negative", function,
-                     element(tau, text, sizeof text),
-                     c->simulation.state->values[tau]);
+    const char *name = name_of(M.delays[i].dead_time, part);
+    component_refuse(c, "%s: dead time %s%s is %g s; it cannot be negative", function,
+                     part, name, c->simulation.state->values[M.delays[i].dead_time]);
     return 0;
 }
 
@@ -236,5 +241,6 @@ int component_step(Component *c, const char *function, double t, double h) {
     else if (fit_to_go_on(c, function))
         return STATUS_OK;
     c->simulation.state->phase = FAILED;
+    c->simulation.state->values[M.size - 1] = t; /* the last successful time */
     return STATUS_ERROR;
 }

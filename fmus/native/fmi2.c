@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 const char *fmi2GetTypesPlatform(void) {
     return fmi2TypesPlatform;
@@ -19,8 +20,10 @@ const char *fmi2GetVersion(void) {
 static void log_message(void *environment, void (*callback)(void),
                         const char *instance, int status, const char *category,
                         const char *message) {
-    char text[1024], *to = text;
-    while (*message && to < text + sizeof text - 2) {
+    char *text = malloc(2 * strlen(message) + 1), *to = text;
+    if (!text)
+        return;
+    while (*message) {
         if (*message == '%')
             *to++ = '%';
         *to++ = *message++;
@@ -28,6 +31,7 @@ static void log_message(void *environment, void (*callback)(void),
     *to = '\0';
     ((fmi2CallbackLogger)callback)(environment, instance, (fmi2Status)status,
                                    category, text);
+    free(text);
 }
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType,

@@ -5,7 +5,6 @@
 #include "component.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 const char *fmi3GetVersion(void) {
     return fmi3Version;

@@ -44,6 +44,7 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String name,
     va_list arguments;
     va_start(arguments, message);
     vfprintf(stderr, message, arguments);
+    fprintf(stderr, "\n");
     va_end(arguments);
 }
 

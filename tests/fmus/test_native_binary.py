@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -93,7 +94,7 @@ def test_continuous_steps_always_take_the_same_number_of_substeps(
 @pytest.mark.parametrize("name", ["shaft", "late"])
 def test_memory_stays_flat(compiled: Callable, host_program: Path, name: str) -> None:
     growth = run(host_program, compiled(name).library, TOKEN, "churn", 10_000)
-    assert int(growth) <= 8
+    assert int(growth) <= 32  # a leak of 16 bytes each would be 36 pages
 
 
 def declared_functions() -> set[str]:
@@ -156,6 +157,23 @@ def test_a_second_build_is_taken_from_the_cache(
     first = compile_library("Pi", generated, host_platform(), tmp_path)
     monkeypatch.setattr(compiler, "_zig_cc", None)
     assert compile_library("Pi", generated, host_platform(), tmp_path) == first
+    assert not list(tmp_path.glob(".building-*"))
+
+
+def test_builders_at_the_same_time_do_not_disturb_each_other(
+    compiled: Callable, tmp_path: Path
+) -> None:
+    names = ["pi", "pi", "shaft", "pi"]
+
+    def build(name: str) -> bytes:
+        built = compiled(name)
+        identifier = built.model.name
+        path = compile_library(identifier, built.generated, host_platform(), tmp_path)
+        return path.read_bytes()
+
+    expected = [compiled(name).library.read_bytes() for name in names]
+    with ThreadPoolExecutor(len(names)) as pool:
+        assert list(pool.map(build, names)) == expected
     assert not list(tmp_path.glob(".building-*"))
 
 

@@ -1,11 +1,15 @@
 """A native FMU computes what the NumPy equations say, at the right times."""
 
 from collections.abc import Callable
+from ctypes import POINTER, c_double
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
 from fmpy import fmi2, fmi3
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from fmus.model import Continuous, add, pack
@@ -155,6 +159,34 @@ def test_several_ticks_or_none_fall_into_a_step(
     assert it.get("ticks") == 20_000
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=40))
+def test_ticks_run_however_the_time_is_cut(compiled: Callable, cuts: list[int]) -> None:
+    """Steps of sevenths of 1/3000 s; tick j runs once its time is passed."""
+    it = compiled("third").new().begin()
+    for before, cut in zip(np.cumsum([0, *cuts]), cuts, strict=False):
+        t = before / 21_000
+        it.step(t, (before + cut) / 21_000 - t)
+        assert it.get("ticks") == -(-(before + cut) // 7)
+    it.fmu.freeInstance()
+
+
+def test_random_steps_add_up_to_the_same_motion(
+    compiled: Callable, version: int
+) -> None:
+    built = compiled("shaft")
+    whole, cut = (built.new(version, name).begin() for name in ("whole", "cut"))
+    whole.step(0.0, 0.05)
+    times = np.sort(np.random.default_rng(1).uniform(0, 0.05, 300))
+    times = np.concatenate([[0.0], times, [0.05]])
+    for t, end in pairwise(times):
+        cut.step(t, end - t)
+    for variable in built.layout.block("state"):
+        assert cut.get(variable.name) == pytest.approx(
+            whole.get(variable.name), rel=1e-6, abs=1e-9
+        )
+
+
 def test_a_period_that_is_no_decimal_is_met_exactly(
     compiled: Callable, version: int
 ) -> None:
@@ -253,6 +285,4 @@ def test_model_exchange_gives_the_trajectory_of_the_equations(
 
 
 def _pointer(values: Any) -> Any:
-    from ctypes import POINTER, c_double
-
     return values.ctypes.data_as(POINTER(c_double))

@@ -214,6 +214,8 @@ def test_a_result_that_is_not_finite_fails_the_step_and_reset_recovers(
     assert "state.x is" in message or "y is" in message
     assert "finite values were expected" in message
     assert "after a failed step" in it.refused(lambda: it.step(1.0, 1.0))
+    if version == 2:
+        assert it.fmu.getRealStatus(fmi2.fmi2LastSuccessfulTime) == 0.0
     it.restore(good)
     it.step(0.0, 1e-3)
     it.refused(lambda: it.step(1e-3, 1.0))
@@ -257,6 +259,14 @@ def test_logging_can_be_switched_off(compiled: Callable, version: int) -> None:
     it.fmu.setDebugLogging(True, [])
     assert "no log category logNoise" in it.refused(
         lambda: it.fmu.setDebugLogging(True, ["logNoise"])
+    )
+
+
+def test_long_names_are_not_cut(compiled: Callable, version: int) -> None:
+    name = "Antrieb_" + "ä" * 2000
+    it = compiled("pi").new(version, name)
+    assert it.refused(lambda: it.step(0.0, 1.0)).startswith(
+        f"{name}: fmi{version}DoStep"
     )
 
 
