@@ -24,7 +24,7 @@ LOG_CATEGORIES = {
     "logStatusError": "why something was refused",
 }
 PYTHON_LOG_CATEGORIES = LOG_CATEGORIES | {
-    "logStatusFatal": "why the Python source raised",
+    "logStatusFatal": "why no instance could be made",
 }
 
 

@@ -24,7 +24,8 @@ This FMU runs Python source.  Its host must provide
 * NumPy {numpy} or newer, importable by that Python.
 
 pythonfmu {pythonfmu} and the model's own modules are inside, in resources/.
-Numba is neither needed nor imported.
+Numba is neither needed nor imported.  The folder the FMU is unpacked in must have
+an ASCII path: pythonfmu's binary decodes no other.
 """
 SLAVE = '''\
 """Python FMU of {module}."""
@@ -63,12 +64,17 @@ def load():
         for name in ours():
             del sys.modules[name]
         sys.modules.update(hosts)
-        sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != HERE]
+        sys.path.remove(str(HERE))
     return base, {model}
 
 
-if "BASE" not in globals():  # pythonfmu runs this file twice
+# pythonfmu runs this file at every instantiation, first by importing it, and
+# leaves its folder on the path, where it would hide modules of the host.  It also
+# releases each time a reference to globals() that it never took.
+if "BASE" not in globals():
     BASE, MODEL = load()
+globals().setdefault("HELD", []).append(globals())
+sys.path[:] = [p for p in sys.path if not Path(p, __name__ + ".py").is_file()]
 
 
 class {title}(BASE):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fmus.layout import Layout, layout
+from fmus.layout import Block, Layout, layout
 from fmus.model import Continuous, Model, Record, add, pack, unpack
 
 NEAR = 1e-9  # of a step: a delayed change this near to its end counts as there
@@ -66,6 +66,13 @@ class Simulation:
         """Begin stepping: delayed inputs have always had their present value."""
         self.lines = {i: Line(float(self.values[i])) for i in self.delays}
 
+    def put(self, reference: int, value: float, block: Block) -> None:
+        """Set one value; what depends on it is computed when next needed."""
+        self.values[reference] = value
+        if block == "parameter":
+            self.derived = None
+        self.outputs_stale = True
+
     def refresh(self) -> None:
         """Compute outputs and derivatives if something was set before stepping."""
         if self.outputs_stale:
@@ -85,7 +92,7 @@ class Simulation:
             "start_time": self.start_time,
             "tick": self.tick,
             "outputs_stale": self.outputs_stale,
-            "lines": [[i, x.value, x.changes] for i, x in self.lines.items()],
+            "lines": [[i, x.value, list(x.changes)] for i, x in self.lines.items()],
         }
 
     def restore(self, state: dict[str, Any]) -> None:
@@ -105,11 +112,11 @@ class Simulation:
                     return name
         return None
 
-    def _record(self, block: Any, like: Record) -> Record:
+    def _record(self, block: Block, like: Record) -> Record:
         first = self.layout.offset[block]
         return unpack(like, self.values[first : first + self.layout.count[block]])
 
-    def _store(self, block: Any, record: Record) -> None:
+    def _store(self, block: Block, record: Record) -> None:
         first = self.layout.offset[block]
         self.values[first : first + self.layout.count[block]] = pack(record)
 

@@ -1,14 +1,21 @@
 """What a Python FMU runs: a model's own NumPy equations behind FMI 2.0.
 
-Whatever is refused raises; pythonfmu logs the message and returns Fatal, for it
-knows no other way.  This module and ``fmus.simulation`` are bundled into every
-Python FMU and import nothing but NumPy, pythonfmu and the model contract.
+pythonfmu 0.7 answers a Python exception with Fatal and releases the instance
+twice, which kills the host.  So nothing raises once the instance exists: what
+is refused is logged, changes nothing, and every later step is discarded until
+the instance is reset or set back to an earlier state.  This module and
+``fmus.simulation`` are bundled into every Python FMU and import nothing but
+NumPy, pythonfmu and the model contract.
 """
 
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, ClassVar
 
 import numpy as np
 from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
 
 from fmus.layout import Variable
 from fmus.model import Model
@@ -25,6 +32,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.simulation = Simulation(self.model)
         self.stepping = False
         self.time = 0.0
+        self.refusal: str | None = None
         variables = self.simulation.layout.variables
         self.owners = {r: v for v in variables for _, r in v.elements()}
 
@@ -39,34 +47,32 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
 
     def exit_initialization_mode(self) -> None:
         """Publish the initial outputs; from now on only steps change them."""
-        self.simulation.refresh()
-        self.simulation.begin()
-        self._refuse_what_is_not_finite()
+        with self._refusing():
+            self.simulation.refresh()
+            self.simulation.begin()
+            self._check_finite()
         self.stepping = True
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Step the model; the instance's clock follows the caller's."""
-        if not step_size > 0 or not np.isfinite(step_size):
-            raise ValueError(f"{self._who}: a step of {step_size} s is no step")
-        rounding = 1e-9 * step_size + 8 * np.finfo(float).eps * abs(self.time)
-        if not abs(current_time - self.time) <= rounding:
-            raise ValueError(
-                f"{self._who} stands at {self.time} s, it cannot step from "
-                f"{current_time} s"
-            )
-        self._refuse_negative_delay()
-        self.simulation.step(current_time, step_size)
-        self._refuse_what_is_not_finite()
-        self.time = current_time + step_size
-        return True
+        """Step the model; the instance's clock follows the caller's.
+
+        Returns False (Discard) if this or something before was refused.
+        """
+        with self._refusing():
+            self._check_step(current_time, step_size)
+            self.simulation.step(current_time, step_size)
+            self._check_finite()
+            self.time = current_time + step_size
+            return True
+        return False
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Return real values by reference."""
+        """Return real values by reference; NaN for what is no real variable."""
         return [self._get(vr, boolean=False) for vr in vrs]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """Return Boolean values by reference."""
-        return [bool(self._get(vr, boolean=True)) for vr in vrs]
+        """Return Boolean values by reference; False for what is none."""
+        return [self._get(vr, boolean=True) == 1.0 for vr in vrs]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set real inputs, tunable parameters and, before stepping, states."""
@@ -78,59 +84,103 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         for vr, value in zip(vrs, values, strict=True):
             self._set(vr, float(value), boolean=True)
 
-    @property
-    def _who(self) -> str:
-        return f"{self.instance_name} ({self.model.name})"
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Refuse: no model has integers."""
+        self._refuse("there are no integer variables")
+        return [0 for _ in vrs]
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Refuse: no model has integers."""
+        self._refuse("there are no integer variables")
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Refuse: no model has strings."""
+        self._refuse("there are no string variables")
+        return ["" for _ in vrs]
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Refuse: no model has strings."""
+        self._refuse("there are no string variables")
+
+    @contextmanager
+    def _refusing(self) -> Iterator[None]:
+        """Turn whatever is raised into a refusal."""
+        try:
+            yield
+        except Exception as error:
+            self._refuse(str(error) or type(error).__name__)
+
+    def _refuse(self, message: str) -> None:
+        self.refusal = message
+        text = f"{self.instance_name} ({self.model.name}): {message}"
+        self.log(text, Fmi2Status.error, "logStatusError")
 
     def _owner(self, reference: int, boolean: bool) -> Variable:
         variable = self.owners.get(reference)
         if variable is None:
-            raise ValueError(f"{self._who} has no variable with reference {reference}")
+            raise ValueError(f"there is no variable with reference {reference}")
         if variable.boolean != boolean:
             kind = "Boolean" if variable.boolean else "Real"
-            raise TypeError(f"{self._who}: {variable.name} is {kind}")
+            raise TypeError(f"{variable.name} is {kind}")
         return variable
 
     def _get(self, reference: int, boolean: bool) -> float:
-        self._owner(reference, boolean)
-        if not self.stepping:
-            self.simulation.refresh()
-        return float(self.simulation.values[reference])
+        with self._refusing():
+            self._owner(reference, boolean)
+            if not self.stepping:
+                self.simulation.refresh()
+            return float(self.simulation.values[reference])
+        return float("nan")
 
     def _set(self, reference: int, value: float, boolean: bool) -> None:
-        variable = self._owner(reference, boolean)
-        var, block = variable.var, variable.block
-        settable = block in ("parameter", "input", "state") and not var.constant
-        early = block == "state" or var.fixed
-        if not settable or (early and self.stepping):
-            until = " once stepping has begun" if settable else ""
-            raise ValueError(f"{self._who}: {variable.name} cannot be set{until}")
-        if not np.isfinite(value):
-            raise ValueError(f"{self._who}: {variable.name} cannot be {value}")
-        self.simulation.values[reference] = value
-        if block == "parameter":
-            self.simulation.derived = None
-        self.simulation.outputs_stale = True
+        with self._refusing():
+            variable = self._owner(reference, boolean)
+            var, block = variable.var, variable.block
+            settable = block in ("parameter", "input", "state") and not var.constant
+            early = block == "state" or var.fixed
+            if not settable or (early and self.stepping):
+                until = " once stepping has begun" if settable else ""
+                raise ValueError(f"{variable.name} cannot be set{until}")
+            if not np.isfinite(value):
+                raise ValueError(f"{variable.name} cannot be {value}")
+            self.simulation.put(reference, value, block)
 
-    def _refuse_negative_delay(self) -> None:
+    def _check_step(self, t: float, h: float) -> None:
+        if self.refusal is not None:
+            raise ValueError(f"no step after a refusal: {self.refusal}")
+        if not (h > 0 and np.isfinite(h)):
+            raise ValueError(f"a step of {h} s is no step")
+        rounding = 1e-9 * h + 8 * np.finfo(float).eps * abs(self.time)
+        if not abs(t - self.time) <= rounding:
+            raise ValueError(f"it stands at {self.time} s and cannot step from {t} s")
         for reference in self.simulation.delays.values():
             if self.simulation.values[reference] < 0:
-                name = self.owners[reference].name
-                raise ValueError(f"{self._who}: the dead time {name} is negative")
+                raise ValueError(f"{self.owners[reference].name} is a negative delay")
 
-    def _refuse_what_is_not_finite(self) -> None:
+    def _check_finite(self) -> None:
         if name := self.simulation.not_finite():
-            raise FloatingPointError(f"{self._who}: {name} is no longer finite")
+            raise FloatingPointError(f"{name} is not finite")
 
     def _get_fmu_state(self) -> dict[str, Any]:
         return self.simulation.snapshot() | {
             "of": type(self).__module__,
             "stepping": self.stepping,
             "time": self.time,
+            "refusal": self.refusal,
         }
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        if state["of"] != type(self).__module__:
-            raise ValueError(f"{self._who}: this is a state of {state['of']}")
+        if state.get("of") != type(self).__module__:
+            self._refuse(f"this is a state of {state.get('of', 'something else')}")
+            return
         self.simulation.restore(state)
         self.stepping, self.time = state["stepping"], state["time"]
+        self.refusal = state["refusal"]
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
+        try:
+            read: Any = json.loads(state)
+        except ValueError:
+            return {}
+        return read if isinstance(read, dict) else {}

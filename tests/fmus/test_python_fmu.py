@@ -1,0 +1,356 @@
+"""The Python FMU repeats the equations, and each known hazard is met."""
+
+import re
+import subprocess
+import sys
+import textwrap
+import zipfile
+from pathlib import Path
+
+import attrs
+import fmpy
+import numpy as np
+import pytest
+from fmpy import read_model_description
+from fmpy.fmi2 import (
+    FMU2Slave,
+    calloc,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    free,
+)
+from fmpy.validation import validate_fmu
+
+from fmus.build import build, load_model
+from fmus.closure import closure
+
+MODELS = Path(__file__).parent / "small_models"
+HELD = 8  # 0.4 ms of dead time in steps of 0.05 ms
+
+
+@pytest.fixture
+def slave(tmp_path):
+    """Instantiate FMUs in this process; free them at the end."""
+    opened = []
+
+    def open_fmu(fmu, name="instance"):
+        folder = tmp_path / f"unpacked {len(opened)}"
+        fmpy.extract(str(fmu), str(folder))
+        description = read_model_description(str(folder))
+        instance = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        instance.messages = messages = []
+        instance.instantiate(callbacks=logger(messages), loggingOn=True)
+        instance.references = {
+            v.name: v.valueReference for v in description.modelVariables
+        }
+        opened.append(instance)
+        return instance
+
+    yield open_fmu
+    for instance in opened:
+        instance.freeInstance()
+
+
+def logger(messages):
+    """Return FMI callbacks that collect the text of every message."""
+    callbacks = fmi2CallbackFunctions()
+
+    def keep(environment, instance, status, category, message):
+        messages.append(message.decode())
+
+    callbacks.logger = fmi2CallbackLoggerTYPE(keep)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    return callbacks
+
+
+def start(instance, **values):
+    instance.setupExperiment()
+    instance.enterInitializationMode()
+    put(instance, **values)
+    instance.exitInitializationMode()
+    return instance
+
+
+def put(instance, **values):
+    names = [instance.references[name] for name in values]
+    instance.setReal(names, list(values.values()))
+
+
+def read(instance, *names):
+    return instance.getReal([instance.references[name] for name in names])
+
+
+def python_fmu(name):
+    return build(str(MODELS / f"{name}.py"), kind="python")
+
+
+def variant(folder, gain):
+    folder.mkdir()
+    source = (MODELS / "pi.py").read_text().replace("] = 0.5", f"] = {gain}")
+    (folder / "pi.py").write_text(source.replace("v = p.K_p", f"v = {gain} + p.K_p"))
+    return build(str(folder / "pi.py"), kind="python")
+
+
+def test_a_thousand_ticks_are_those_of_the_equations(slave):
+    model = load_model(str(MODELS / "pi.py"))
+    fmu = start(slave(python_fmu("pi")))
+    x, T_s = model.state, 1 / 2000
+    derived = model.prepare(model.parameters, T_s)
+    for k in range(1000):
+        u = model.input._replace(r=np.sin(0.01 * k), y=0.3 * np.cos(0.02 * k))
+        x, y = model.step(x, u, model.parameters, T_s, derived)
+        put(fmu, r=u.r, y=u.y)
+        fmu.doStep(k * T_s, T_s)
+        assert read(fmu, "u", "saturated", "state.q") == [y.u, y.saturated, x.q]
+
+
+def test_dead_time_is_exact_and_advance_is_used(slave):
+    fmu = start(slave(python_fmu("late")), tau=4e-4, u=0.25)
+    x, h, T = 0.0, 5e-5, 2e-3
+    inputs = [np.sin(0.1 * k) for k in range(1000)]
+    for k, u in enumerate(inputs):
+        put(fmu, u=u)
+        fmu.doStep(k * h, h)
+        arrived = inputs[k - HELD] if k >= HELD else 0.25
+        x = arrived + (x - arrived) * np.exp(-h / T)
+        assert read(fmu, "y") == pytest.approx([x], rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_a_dead_time_between_steps_is_exact(slave, kind):
+    fmu = start(slave(build(str(MODELS / "late.py"), kind=kind)), tau=3.7e-4)
+    put(fmu, u=1.0)
+    for k in range(20):
+        fmu.doStep(k * 1e-4, 1e-4)
+        t = (k + 1) * 1e-4
+        reached = 1 - np.exp(-max(0.0, t - 3.7e-4) / 2e-3)
+        assert read(fmu, "y") == pytest.approx([reached], rel=1e-12, abs=1e-15)
+
+
+def test_saving_serialising_and_resetting_change_no_bit(slave):
+    fmu = start(slave(python_fmu("late")), tau=4e-4)
+
+    def run(instance, first, last):
+        rows = []
+        for k in range(first, last):
+            put(instance, u=np.sin(k))
+            instance.doStep(k * 1e-4, 1e-4)
+            rows.append(read(instance, "y", "state.x"))
+        return rows
+
+    whole = run(fmu, 0, 7)
+    saved = fmu.getFMUstate()
+    after = run(fmu, 7, 15)
+    fmu.setFMUstate(saved)
+    assert run(fmu, 7, 15) == after
+    blob = fmu.serializeFMUstate(saved)
+    other = start(slave(python_fmu("late"), "another"))
+    other.setFMUstate(other.deSerializeFMUstate(blob))
+    assert run(other, 7, 15) == after
+    fmu.reset()
+    start(fmu, tau=4e-4)
+    assert run(fmu, 0, 7) == whole
+
+
+def test_a_tunable_parameter_acts_in_the_next_step_through_prepare(slave):
+    fmu = start(slave(python_fmu("pi")), r=0.1)
+    fmu.doStep(0.0, 1 / 2000)
+    put(fmu, K_i=40.0)
+    assert read(fmu, "u") == [0.05]
+    fmu.doStep(1 / 2000, 1 / 2000)
+    assert read(fmu, "state.q") == pytest.approx([0.1 * (20 + 40) / 2000])
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"u": 1.0}, "u cannot be set"),
+        ({"T_s": 1.0}, "T_s cannot be set"),
+        ({"r": float("nan")}, "r cannot be nan"),
+        ({"state.q": 0.0}, "state.q cannot be set once stepping has begun"),
+    ],
+)
+def test_what_may_not_be_set_changes_nothing_and_ends_the_run(slave, values, said):
+    fmu = start(slave(python_fmu("pi")), r=0.1)
+    before = read(fmu, *fmu.references)
+    saved = fmu.getFMUstate()
+    put(fmu, **values)
+    np.testing.assert_equal(read(fmu, *fmu.references), before)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmu.doStep(0.0, 1 / 2000)
+    assert any(f"instance (SmallPI): {said}" in message for message in fmu.messages)
+    fmu.setFMUstate(saved)
+    fmu.doStep(0.0, 1 / 2000)
+
+
+@pytest.mark.parametrize(
+    ("t", "h", "said"),
+    [
+        (0.0, 0.0, "a step of 0.0 s is no step"),
+        (0.0, -1e-3, "is no step"),
+        (1e-3, 1e-3, "stands at 0.0 s and cannot step from 0.001 s"),
+    ],
+)
+def test_a_step_that_is_none_is_discarded_with_a_reason(slave, t, h, said):
+    fmu = start(slave(python_fmu("pi")))
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmu.doStep(t, h)
+    assert any(said in message for message in fmu.messages)
+
+
+def test_an_infinite_result_names_the_variable(slave):
+    fmu = start(slave(python_fmu("spring_mass")), k=1e300, c=1e300)
+    with np.errstate(all="ignore"), pytest.raises(fmpy.fmi1.FMICallException):
+        fmu.doStep(0.0, 1e-3)
+    assert any("state.x is not finite" in message for message in fmu.messages)
+
+
+def test_a_foreign_state_is_refused(slave):
+    late = start(slave(python_fmu("late")))
+    fmu = start(slave(python_fmu("pi")))
+    for blob in (late.serializeFMUstate(late.getFMUstate()), b"no state at all"):
+        fmu.setFMUstate(fmu.deSerializeFMUstate(blob))
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            fmu.doStep(0.0, 1 / 2000)
+    assert any("this is a state of Late" in message for message in fmu.messages)
+
+
+def test_states_are_settable_before_stepping_begins(slave):
+    fmu = start(slave(python_fmu("pi")), **{"state.q": 0.25})
+    assert read(fmu, "u") == [0.25]
+
+
+# Hazard 1: two FMUs in one interpreter with modules of the same names.
+
+
+def test_two_fmus_with_modules_of_one_name_run_their_own_code(slave, tmp_path):
+    one, two = variant(tmp_path / "one", 0.25), variant(tmp_path / "two", 0.75)
+    first, second = start(slave(one)), start(slave(two))
+    again = start(slave(one, "again"))
+    for fmu, expected in ((first, 0.25), (second, 0.75), (again, 0.25)):
+        fmu.doStep(0.0, 1 / 2000)
+        assert read(fmu, "u") == [expected]
+
+
+def test_the_host_keeps_its_own_modules_and_path(slave, tmp_path):
+    import fmus.model as before
+
+    path = list(sys.path)
+    fmu = variant(tmp_path / "one", 0.5)
+    own = sys.modules.get("pi")
+    start(slave(fmu))
+    start(slave(fmu))
+    import fmus.model as after
+
+    assert after is before
+    assert sys.modules.get("pi") is own
+    assert sys.path == path
+
+
+def test_many_instances_of_one_fmu_live_and_die_in_one_process():
+    fmu = str(python_fmu("pi"))
+    done = in_a_process(
+        f"""
+        for _ in range(20):
+            start = {{"r": 1}}
+            result = fmpy.simulate_fmu({fmu!r}, stop_time=0.002, start_values=start)
+            assert result["u"][-1] > 0.5
+        """
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_other_bytes_than_those_built_are_refused(tmp_path):
+    folder = tmp_path / "unpacked"
+    fmpy.extract(str(python_fmu("pi")), str(folder))
+    bundled = folder / "resources" / "pi.py"
+    bundled.write_text(bundled.read_text().replace("0.5", "0.6"))
+    done = in_a_process(
+        f"fmpy.simulate_fmu({str(folder)!r}, stop_time=0.001, debug_logging=True)"
+    )
+    assert done.returncode != 0
+    assert "SmallPI was built from other sources than" in done.stdout + done.stderr
+
+
+def in_a_process(statement):
+    code = f"import fmpy, sys\n{textwrap.dedent(statement)}"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+
+# Hazard 2: pythonfmu writes neither InitialUnknowns nor units.
+
+
+def test_description_is_as_complete_as_that_of_the_native_fmu():
+    assert validate_fmu(str(python_fmu("matrices"))) == []
+    native, python = (
+        read_model_description(str(build(str(MODELS / "matrices.py"), kind=kind)))
+        for kind in ("native", "python")
+    )
+    for part in ("outputs", "initialUnknowns"):
+        mine, theirs = (
+            [
+                (u.variable.name, [d.name for d in u.dependencies])
+                for u in getattr(description, part)
+            ]
+            for description in (python, native)
+        )
+        assert mine == theirs != []
+    mine, theirs = (
+        [(u.name, attrs.asdict(u.baseUnit)) for u in description.unitDefinitions]
+        for description in (python, native)
+    )
+    assert mine == theirs != []
+
+
+# Hazard 3: the Linux binary does not link libpython; its host must bring it.
+
+
+def test_the_need_for_a_python_host_is_declared():
+    fmu = python_fmu("pi")
+    assert read_model_description(str(fmu)).coSimulation.needsExecutionTool
+    with zipfile.ZipFile(fmu) as archive:
+        text = archive.read("documentation/externalDependencies.txt").decode()
+        library = archive.read("binaries/linux64/SmallPI.so")
+    assert "Python 3.11" in text
+    assert "NumPy" in text
+    assert b"PyImport_ImportModule" in library
+    assert not re.search(rb"libpython3[.\d]*\.so", library)
+
+
+# Hazard 4: together with Numba one process in ten aborted at exit.
+
+
+@pytest.mark.parametrize("name", ["pi", "late", "matrices", "spring_mass"])
+def test_numba_is_never_imported(name):
+    done = in_a_process(
+        f"""
+        class Alarm:
+            def find_spec(self, name, path=None, target=None):
+                if name.partition('.')[0] == 'numba':
+                    raise SystemExit('numba is imported')
+
+        sys.meta_path.insert(0, Alarm())
+        fmpy.simulate_fmu({str(python_fmu(name))!r}, stop_time=0.01)
+        assert 'numba' not in sys.modules
+        """
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_is_bundled_imports_numpy_only():
+    files = closure("controllers.mc_ppc") | closure("fmus.slave")
+    imported = {
+        name
+        for file in files.values()
+        for name in re.findall(r"^\s*(?:from|import) (\w+)", file.read_text(), re.M)
+    }
+    ours = {"fmus", "controllers", "plants", "pythonfmu", "numpy"}
+    assert imported <= ours | set(sys.stdlib_module_names)
