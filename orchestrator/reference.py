@@ -19,6 +19,7 @@ and one source of our value (none only where out of reach)::
     call = "module:function"       key = "s_max"  arguments = { latency = 1 }
     formula = "100 * (1 - a / b)"  with = { a = "other.id", b = "another.id" }
 
+What a design step of the run found is ``metric = "design.<step>.<name>"``.
 A called function returns a number or a mapping of numbers, in ``unit``.
 """
 

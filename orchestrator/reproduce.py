@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.design import find_function
 from orchestrator.errors import ScenarioError, did_you_mean
@@ -21,6 +21,9 @@ from orchestrator.formula import evaluate_formula
 from orchestrator.quantity import Quantity
 from orchestrator.reference import FigureSpec, read_reference
 from orchestrator.scenario import find_study
+
+if TYPE_CHECKING:
+    from orchestrator.session import Run
 
 Job: TypeAlias = tuple[str, tuple[str, ...]]
 Told: TypeAlias = Callable[[str], None]
@@ -152,7 +155,20 @@ def run_job(job: Job, folder: Path) -> dict[str, Quantity]:
     from orchestrator.session import run
 
     name, overrides = job
-    return dict(run(load_scenario(name, overrides), folder, report=False).metrics)
+    done = run(load_scenario(name, overrides), folder, report=False)
+    return {**done.metrics, **_designed(done)}
+
+
+def _designed(done: "Run") -> dict[str, Quantity]:
+    """Return what the design steps found, as figures ``design.<step>.<name>``."""
+    composition = done.composition
+    return {
+        f"design.{step}.{name}": composition.parameter(f"{component}.{name}")
+        for step, result in composition.designs.items()
+        for component in composition.scenario.spec.design[step].sets
+        for name in result.values
+        if name in composition.fmus[component].variables
+    }
 
 
 def _value(
