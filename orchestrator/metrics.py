@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.metrics_motion import contour_error, onset, step_response
+from orchestrator.metrics_motion import contour_error, step_response, sustained
 from orchestrator.quantity import Quantity, converter, product_unit, quotient_unit
 from orchestrator.result import Signal
 from orchestrator.scenario_metrics import (
@@ -28,6 +28,7 @@ from orchestrator.scenario_metrics import (
     SineMetric,
     SpectrumMetric,
     StepMetric,
+    SustainedMetric,
 )
 
 Array: TypeAlias = NDArray[np.float64]
@@ -103,27 +104,25 @@ def _figures(
         return _of_error(reference[rows] - y, unit)
     if isinstance(spec, PlainMetric):
         return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
+    if isinstance(spec, SettlingMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        return settling(time - start, y - spec.final, spec.band, unit)
     if isinstance(spec, StepMetric):
         start = float(spec.window[0]) if spec.window else 0.0
         height = _in_unit(_factor(spec.height, parameter), unit)
         return step_response(time - start, y, height, spec.band, unit)
     if isinstance(spec, ContourMetric):
-        x_across, _ = scaled(spec, taken["across"], parameter)
-        _same_rows(of, taken["across"])
+        across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
         size = _in_unit(_factor(spec.size, parameter), unit)
-        outside = contour_error(y, x_across[rows], spec.shape, size)
+        outside = contour_error(y, across[rows], spec.shape, size)
         kinds = ("peak", "max", "min")
         return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
-    if isinstance(spec, OnsetMetric):
+    if isinstance(spec, SustainedMetric):
         start = float(spec.window[0]) if spec.window else 0.0
-        level = taken["level"]
-        _same_rows(of, level)
+        level = _beside(of, taken["level"])
         times = float(spec.dwell), float(spec.tail)
-        found = onset(time - start, y, level.values[rows], *times, spec.span)
-        return {"onset": Quantity(found, level.unit)}
-    if isinstance(spec, SettlingMetric):
-        start = float(spec.window[0]) if spec.window else 0.0
-        return settling(time - start, y - spec.final, spec.band, unit)
+        found = sustained(time - start, y, level.values[rows], *times, spec.span)
+        return {"level": Quantity(found, level.unit)}
     if isinstance(spec, OnsetMetric):
         ramp = _beside(of, taken["ramp"])
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)

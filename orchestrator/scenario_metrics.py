@@ -165,14 +165,14 @@ class ContourMetric(_Metric):
         return {"of": self.of, "across": self.across}
 
 
-class OnsetMetric(_Metric):
-    """``.onset``: value of ``level`` on its first stair that ends oscillating.
+class SustainedMetric(_Metric):
+    """``.level``: value of ``level`` on its first stair that ends oscillating.
 
     Stairs last ``dwell`` from the window's begin; oscillating means that ``of`` spans
     more than ``span`` (in ``unit``) in the last ``tail`` of a stair.
     """
 
-    kind: Literal["onset"]
+    kind: Literal["sustained"]
     level: str
     dwell: Time
     tail: Time
@@ -188,7 +188,10 @@ MetricSpec: TypeAlias = Annotated[
     | PlainMetric
     | SettlingMetric
     | SineMetric
-    | SpectrumMetric,
+    | SpectrumMetric
+    | StepMetric
+    | ContourMetric
+    | SustainedMetric,
     Field(discriminator="kind"),
 ]
 

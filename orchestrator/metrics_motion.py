@@ -1,0 +1,85 @@
+"""Figures of positioning: step responses, contours of two axes, stability limits."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import ScenarioError
+from orchestrator.quantity import Quantity
+
+Array = NDArray[np.float64]
+
+
+def step_response(
+    time: Array, y: Array, height: float, band: float, unit: str
+) -> dict[str, Quantity]:
+    """Return rise time (10 to 90 %), overshoot, positioning time and last error.
+
+    ``y`` (n,) rises from 0 to ``height`` at time 0; crossings are interpolated,
+    the positioning time is the first row after the last one with
+    |height - y| > band, all in the unit of ``y``.
+
+    Raises:
+        ScenarioError: y does not reach 90 %, or ends outside the band.
+    """
+    if height == 0:
+        raise ScenarioError("height: a step of height 0 has no response")
+    part = y / height
+    t_10, t_90 = (_first_crossing(time, part, level) for level in (0.1, 0.9))
+    e = height - y
+    outside = np.flatnonzero(np.abs(e) > band)
+    settled = int(outside[-1]) + 1 if len(outside) else 0
+    if settled == len(y):
+        raise ScenarioError(
+            f"the error is {e[-1]:g} {unit} at {time[-1]:g} s, outside the band of "
+            f"{band:g} {unit}; give the run a later stop or a wider band"
+        )
+    return {
+        "rise": Quantity(t_90 - t_10, "s"),
+        "overshoot": Quantity(100 * max(0.0, float(np.max(part)) - 1), "%"),
+        "settling": Quantity(float(time[settled]), "s"),
+        "error": Quantity(float(e[-1]), unit),
+    }
+
+
+def _first_crossing(time: Array, y: Array, level: float) -> float:
+    above = np.flatnonzero(y >= level)
+    if len(above) == 0:
+        raise ScenarioError(f"the signal does not reach {100 * level:g} % of height")
+    k = int(above[0])
+    if k == 0:
+        return float(time[0])
+    fraction = (level - y[k - 1]) / (y[k] - y[k - 1])
+    return float(time[k - 1] + fraction * (time[k] - time[k - 1]))
+
+
+def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
+    """Return how far each point lies outside a contour around the origin, (n,).
+
+    ``circle``: √(x² + y²) - size, its radius; ``diamond``: |x| + |y| - size, half
+    its diagonal.
+    """
+    reach = np.hypot(x, y) if shape == "circle" else np.abs(x) + np.abs(y)
+    return np.asarray(reach - size)
+
+
+def sustained(
+    time: Array, y: Array, level: Array, dwell: float, tail: float, span: float
+) -> float:
+    """Return the level on the first stair that ends in a sustained oscillation.
+
+    ``level`` (n,) is held for ``dwell`` (s) on each stair, from time 0; ``y`` (n,)
+    oscillates if it spans more than ``span`` in the last ``tail`` (s) of a stair.
+
+    Raises:
+        ScenarioError: y is at rest at the end of every stair.
+    """
+    slack = 1e-9 * dwell
+    for stair in range(int((time[-1] + slack) // dwell)):
+        end = (stair + 1) * dwell
+        rows = (time >= end - tail - slack) & (time < end - slack)
+        if np.ptp(y[rows]) > span:
+            return float(level[rows][0])
+    raise ScenarioError(
+        f"no oscillation of more than {span:g} on any stair up to level "
+        f"{level[-1]:g}; raise the levels or give the run a later stop"
+    )

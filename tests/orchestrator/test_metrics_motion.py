@@ -1,0 +1,56 @@
+"""Figures of positioning are those of signals known in closed form."""
+
+import numpy as np
+import pytest
+
+from orchestrator.errors import ScenarioError
+from orchestrator.metrics_motion import contour_error, step_response, sustained
+
+time = np.arange(5001) * 2e-4
+
+
+def test_a_first_order_lag_rises_in_ln_9_time_constants_without_overshoot():
+    tau = 0.05
+    y = 3.0 * (1 - np.exp(-time / tau))
+    found = step_response(time, y, 3.0, 0.003, "mm")
+    assert found["rise"].value == pytest.approx(tau * np.log(9), abs=1e-6)
+    assert found["overshoot"].value == 0.0
+    assert found["settling"].value == pytest.approx(tau * np.log(1000), abs=2e-4)
+
+
+def test_a_resonance_overshoots_by_its_damping_ratio_also_downward():
+    zeta, omega = 0.4, 60.0
+    omega_d = omega * np.sqrt(1 - zeta**2)
+    fading = np.exp(-zeta * omega * time)
+    ringing = np.cos(omega_d * time) + zeta * omega / omega_d * np.sin(omega_d * time)
+    found = step_response(time, -2e-3 * (1 - fading * ringing), -2e-3, 1e-6, "m")
+    expected = 100 * np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2))
+    assert found["overshoot"].value == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.95])
+def test_a_step_that_does_not_arrive_has_no_figures(level):
+    with pytest.raises(ScenarioError):
+        step_response(time, level * (1 - np.exp(-time / 0.02)), 1.0, 0.01, "m")
+
+
+def test_points_on_a_contour_have_no_error_and_points_outside_their_distance():
+    angle = np.linspace(0, 2 * np.pi, 50)
+    x, y = 5 * np.cos(angle), 5 * np.sin(angle)
+    assert np.abs(contour_error(x, y, "circle", 5.0)).max() < 1e-14
+    assert contour_error(1.1 * x, 1.1 * y, "circle", 5.0) == pytest.approx(0.5)
+    assert contour_error(np.array([5.0, -3.0]), np.array([0.0, 2.5]), "diamond", 5) == (
+        pytest.approx([0.0, 0.5])
+    )
+
+
+def test_the_first_stair_that_ends_oscillating_counts_not_one_that_rings_down():
+    stair = np.floor(time / 0.2)
+    since = time - 0.2 * stair
+    ringing = np.exp(-since / 0.01) * np.sin(2 * np.pi * 700 * since)
+    lasting = np.where(stair >= 3, np.sin(2 * np.pi * 700 * time), 0.0)
+    level = 2.0 * 1.1**stair
+    found = sustained(time, ringing + lasting, level, 0.2, 0.05, 0.5)
+    assert found == pytest.approx(2.0 * 1.1**3)
+    with pytest.raises(ScenarioError, match="raise the levels"):
+        sustained(time, ringing, level, 0.2, 0.05, 0.5)
