@@ -8,12 +8,15 @@ asked for it (``unpacked`` does so at the end of its block).
 import stat
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from orchestrator.errors import FmuError
 
+# what zipfile raises on damaged data
+DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)
 MAX_FILES = 20_000
 MAX_BYTES = 2 << 30
 
@@ -77,7 +80,7 @@ def read_member(path: Path, name: str) -> bytes:
         raise FmuError(
             f"{path}: has no {name}, so it is not an FMU; export it again"
         ) from None
-    except (zipfile.BadZipFile, OSError, EOFError, RuntimeError) as error:
+    except DAMAGE as error:
         raise FmuError(
             f"{path}: {name} cannot be read ({error}); the archive is damaged: "
             f"export or copy it again"
@@ -94,7 +97,7 @@ def unpacked(path: Path) -> Iterator[Path]:
         try:
             with zipfile.ZipFile(path) as archive:
                 archive.extractall(folder, members)
-        except (zipfile.BadZipFile, OSError, EOFError, RuntimeError) as error:
+        except DAMAGE as error:
             raise FmuError(
                 f"{path}: cannot be unpacked ({error}); the archive is damaged or "
                 f"the disk is full"
