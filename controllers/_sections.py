@@ -32,6 +32,14 @@ class Section(NamedTuple):
     a_2: Any
 
 
+class First(NamedTuple):
+    """(b_0 + b_1 z⁻¹) / (1 - p z⁻¹)."""
+
+    b_0: Any
+    b_1: Any
+    p: Any
+
+
 class LowPass(NamedTuple):
     """gain/2 (1 + z⁻¹) / (1 - p z⁻¹) with gain = 1 - p."""
 
@@ -79,6 +87,20 @@ def low_pass(omega: Any, T_s: Any) -> LowPass:
     return LowPass(*decay(omega, T_s))
 
 
+def lead(zero: Any, pole: Any, T_s: Any) -> First:
+    """Match (s/zero + 1) / (s/pole + 1), zero and pole in rad/s."""
+    rho, missing = decay(zero, T_s)
+    p, gain = decay(pole, T_s)
+    return First(gain / missing, -rho * gain / missing, p)
+
+
+def second_order_low_pass(omega: Any, zeta: Any, T_s: Any) -> Section:
+    """Match ω² / (s² + 2ζω s + ω²), ω in rad/s, both zeros at z = -1."""
+    pole = pair(2 * zeta * omega, omega * omega, T_s)
+    b = pole.beta / 4
+    return Section(b, 2 * b, b, pole.alpha - 2, 1 - pole.alpha + pole.beta)
+
+
 def filtered(w_1: Any, w_2: Any, x: Any, s: Section) -> tuple[Any, Any, Any]:
     """Run one sample through a section (direct form II transposed).
 
@@ -92,3 +114,9 @@ def smoothed(w: Any, x: Any, s: LowPass) -> tuple[Any, Any]:
     """Run one sample through a low-pass; returns its next memory and the output."""
     y = s.gain / 2 * x + w
     return s.gain / 2 * x + s.p * y, y
+
+
+def led(w: Any, x: Any, s: First) -> tuple[Any, Any]:
+    """Run one sample through a first-order section; returns memory and output."""
+    y = s.b_0 * x + w
+    return s.b_1 * x + s.p * y, y

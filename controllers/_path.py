@@ -1,0 +1,65 @@
+"""Motion along a path: the command both axes of a gantry follow.
+
+Along the path the move is that of ``controllers.trajectory``, in metres:
+velocity, acceleration, jerk and snap limited.  S = 4 J²/A makes the ramps of a
+jerk pulse a fifth of it, as in the study.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from controllers import trajectory
+from fmus.model import Var
+
+
+class State(NamedTuple):
+    k: Annotated[float, Var("1", "ticks since the start")] = 0.0
+
+
+class Input(NamedTuple):
+    """The generator needs no input."""
+
+
+class Output(NamedTuple):
+    x_r: Annotated[float, Var("m", "command of the x axis")]
+    v_xr: Annotated[float, Var("m/s", "its velocity")]
+    a_xr: Annotated[float, Var("m/s2", "its acceleration")]
+    y_r: Annotated[float, Var("m", "command of the y axis")]
+    v_yr: Annotated[float, Var("m/s", "its velocity")]
+    a_yr: Annotated[float, Var("m/s2", "its acceleration")]
+
+
+class Limits(NamedTuple):
+    """Of the motion along the path."""
+
+    v_max: Any
+    a_max: Any
+    j_max: Any
+    s_max: Any
+
+
+class Along(NamedTuple):
+    """Arc length and its derivatives in time."""
+
+    s: Any
+    v: Any
+    a: Any
+
+
+def move(length: Any, p: Limits) -> trajectory.Parameters:
+    """Return the move over a length (m), without rest before it."""
+    return trajectory.Parameters(length, *p, t_0=0.0, back=False, dwell=0.0, r_g=1.0)
+
+
+def ticks_of(t: Any, T_s: Any) -> Any:
+    """Return the whole ticks that a time (s) takes, a millionth of one early."""
+    return np.ceil(t / T_s - 1e-6)
+
+
+def along(k: Any, length: Any, p: Limits, T_s: Any, d: trajectory.Derived) -> Along:
+    """Return where the move is k ticks after it began."""
+    _, y = trajectory.step(
+        trajectory.State(k), trajectory.Input(), move(length, p), T_s, d
+    )
+    return Along(y.x_r, y.v_r, y.a_r)
