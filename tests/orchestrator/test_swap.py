@@ -1,0 +1,87 @@
+"""A foreign FMU of the same drive takes the plant's place."""
+
+import json
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+from systems import MODELS
+from typer.testing import CliRunner
+
+from fmus.build import build
+from orchestrator.cli import app
+
+PER_MM = 2 * 3.141592653589793 / 20
+SCENARIO = "ball_screw_pole_placement/mc_ppc_track_500"
+MAP = f"""\
+u = {{ name = "motor_voltage", gain = -1 }}
+d_2 = "table_force"
+x_1 = {{ name = "screw", gain = {PER_MM!r}, unit = "rad" }}
+x_2 = {{ name = "table", gain = {PER_MM!r}, unit = "rad" }}
+"""
+INLINE = ", ".join(MAP.splitlines())
+
+
+@pytest.fixture
+def supplied(tmp_path: Path) -> Path:
+    """Our plant under other names, in mm, with the sign flipped and a fixed step."""
+    theirs = tmp_path / "their.fmu"
+    built = build(str(MODELS / "disguised.py"))
+    with zipfile.ZipFile(built) as old, zipfile.ZipFile(theirs, "w") as new:
+        for item in old.infolist():
+            content = old.read(item)
+            if item.filename == "modelDescription.xml":
+                text = content.decode()
+                text = re.sub(
+                    r"<VendorAnnotations>.*</VendorAnnotations>", "", text, flags=re.S
+                )
+                step = 'canHandleVariableCommunicationStepSize="true"'
+                assert step in text
+                content = text.replace(step, step.replace("true", "false")).encode()
+            new.writestr(item, content)
+    return theirs
+
+
+def figures(*arguments: str) -> dict[str, float]:
+    result = CliRunner().invoke(app, ["run", SCENARIO, "--json", *arguments])
+    assert result.exit_code == 0, result.output
+    metrics = json.loads(result.stdout)["metrics"]
+    return {name: figure["value"] for name, figure in metrics.items()}
+
+
+@pytest.mark.parametrize("written", ["file", "inline"])
+def test_a_disguised_plant_gives_the_same_figures(
+    supplied: Path, tmp_path: Path, written: str
+) -> None:
+    table = tmp_path / "map.toml"
+    table.write_text(MAP)
+    chosen = str(table) if written == "file" else INLINE
+    ours = figures("-o", str(tmp_path / "ours"))
+    theirs = figures(
+        *("--swap", f"plant={supplied}", "--map", chosen),
+        *("-o", str(tmp_path / "theirs")),
+    )
+    assert theirs["tracking.peak"] == pytest.approx(ours["tracking.peak"], abs=1e-6)
+    assert theirs["u.peak"] == pytest.approx(ours["u.peak"], abs=1e-6)
+
+
+def test_units_that_do_not_fit_are_refused_with_the_remedy(supplied: Path) -> None:
+    careless = INLINE.replace(', unit = "rad"', "")
+    result = CliRunner().invoke(
+        app, ["run", SCENARIO, "--swap", f"plant={supplied}", "--map", careless]
+    )
+    assert result.exit_code == 2
+    assert "mm cannot become rad" in " ".join(result.output.split())
+
+
+def test_a_fixed_step_and_a_stop_it_cannot_meet_are_refused(supplied: Path) -> None:
+    result = CliRunner().invoke(
+        app,
+        [
+            *("run", SCENARIO, "--swap", f"plant={supplied}", "--map", INLINE),
+            *("--set", "stop=0.100025"),
+        ],
+    )
+    assert result.exit_code == 2
+    assert "nearest stops are 1/10 and 2001/20000 s" in " ".join(result.output.split())
