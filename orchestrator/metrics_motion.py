@@ -12,7 +12,8 @@ Array = NDArray[np.float64]
 def step_response(
     time: Array, y: Array, height: float, band: float, unit: str
 ) -> dict[str, Quantity]:
-    """Return rise time (10 to 90 %), overshoot, positioning time and last error.
+    """Return rise time (10 to 90 %), time to 90 %, overshoot, positioning time
+    and last error.
 
     ``y`` (n,) rises from 0 to ``height`` at time 0; crossings are interpolated,
     the positioning time is the first row after the last one with
@@ -35,6 +36,7 @@ def step_response(
         )
     return {
         "rise": Quantity(t_90 - t_10, "s"),
+        "reach": Quantity(t_90, "s"),
         "overshoot": Quantity(100 * max(0.0, float(np.max(part)) - 1), "%"),
         "settling": Quantity(float(time[settled]), "s"),
         "error": Quantity(float(e[-1]), unit),
@@ -56,10 +58,29 @@ def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
     """Return how far each point lies outside a contour around the origin, (n,).
 
     ``circle``: √(x² + y²) - size, its radius; ``diamond``: |x| + |y| - size, half
-    its diagonal.
+    its diagonal; ``square``: distance from a square of side ``size`` on its corner.
     """
-    reach = np.hypot(x, y) if shape == "circle" else np.abs(x) + np.abs(y)
-    return np.asarray(reach - size)
+    if shape == "circle":
+        return np.asarray(np.hypot(x, y) - size)
+    reach = np.abs(x) + np.abs(y)
+    if shape == "diamond":
+        return np.asarray(reach - size)
+    foot_x, foot_y = nearest_on_contour(x, y, shape, size)
+    distance = np.hypot(x - foot_x, y - foot_y)
+    return np.copysign(distance, reach - size * np.sqrt(0.5))
+
+
+def nearest_on_contour(
+    x: Array, y: Array, shape: str, size: float
+) -> tuple[Array, Array]:
+    """Return the point of a contour that is nearest to each point, two of (n,)."""
+    if shape == "circle":
+        r = np.hypot(x, y)
+        return size * x / r, size * y / r
+    corner = size if shape == "diamond" else size * np.sqrt(0.5)
+    # in the first quadrant, along the side from the corner on the x axis
+    along = np.clip((corner - np.abs(x) + np.abs(y)) / 2, 0.0, corner)
+    return np.copysign(corner - along, x), np.copysign(along, y)
 
 
 def sustained(

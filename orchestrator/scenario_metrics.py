@@ -140,8 +140,9 @@ class OnsetMetric(_Metric):
 class StepMetric(_Metric):
     """Response to a step of ``height`` at the window's begin, up from 0.
 
-    ``.rise`` (s, 10 to 90 %), ``.overshoot`` (%), ``.settling`` (s, until the error
-    stays within ``band``, in ``unit``) and the last ``.error``.
+    ``.rise`` (s, 10 to 90 %), ``.reach`` (s, to 90 %), ``.overshoot`` (%),
+    ``.settling`` (s, until the error stays within ``band``, in ``unit``) and the
+    last ``.error``.
     """
 
     kind: Literal["step"]
@@ -152,13 +153,14 @@ class StepMetric(_Metric):
 class ContourMetric(_Metric):
     """Deviation of two axes, ``of`` and ``across``, from a contour of ``size``.
 
-    ``.peak`` (largest magnitude), ``.max`` (outside) and ``.min`` (inside); a circle
-    of radius ``size``, or a diamond |x| + |y| = ``size``.
+    ``.peak`` (largest magnitude), ``.rms``, ``.max`` (outside) and ``.min`` (inside):
+    the distance from a circle of radius ``size``, or from a ``square`` of side
+    ``size`` that stands on its corner, or |x| + |y| - ``size`` of a ``diamond``.
     """
 
     kind: Literal["contour"]
     across: str
-    shape: Literal["circle", "diamond"]
+    shape: Literal["circle", "diamond", "square"]
     size: Factor
 
     def signals(self) -> dict[str, str]:
