@@ -115,7 +115,7 @@ def _figures(
         across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
         size = _in_unit(_factor(spec.size, parameter), unit)
         outside = contour_error(y, across[rows], spec.shape, size)
-        kinds = ("peak", "max", "min")
+        kinds = ("peak", "rms", "max", "min")
         return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
     if isinstance(spec, SustainedMetric):
         start = float(spec.window[0]) if spec.window else 0.0

@@ -44,6 +44,13 @@ def test_points_on_a_contour_have_no_error_and_points_outside_their_distance():
     )
 
 
+def test_the_distance_from_a_square_on_its_corner_ends_at_the_corner():
+    x, y = np.array([1.0, 0.5, 0.4, -0.5, 1.2]), np.array([0.0, 0.5, -0.5, 0.7, 0.0])
+    side = np.sqrt(2)
+    expected = [0.0, 0.0, -0.1 / side, 0.2 / side, 0.2]
+    assert contour_error(x, y, "square", side) == pytest.approx(expected, abs=1e-15)
+
+
 def test_the_first_stair_that_ends_oscillating_counts_not_one_that_rings_down():
     stair = np.floor(time / 0.2)
     since = time - 0.2 * stair
