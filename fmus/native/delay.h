@@ -7,6 +7,8 @@
 #ifndef DELAY_H
 #define DELAY_H
 
+#include "names.h"
+
 #include <stddef.h>
 
 typedef struct {

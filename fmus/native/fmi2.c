@@ -1,8 +1,8 @@
 /* FMI 2.0: what model exchange and co-simulation have in common.  Arrays are
    scalar elements with consecutive value references. */
-#include "fmi2Functions.h"
+#include "component.h" /* first: it may set the prefix */
 
-#include "component.h"
+#include "fmi2Functions.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* FMI 2.0: functions of co-simulation alone and of model exchange alone. */
-#include "fmi2Functions.h"
+#include "component.h" /* first: it may set the prefix */
 
-#include "component.h"
+#include "fmi2Functions.h"
 
 /* A function of which the description says that it is not supported. */
 static fmi2Status absent(fmi2Component c, const char *function) {

@@ -1,8 +1,8 @@
 /* FMI 3.0: instances, phases, states, and the steps of co-simulation.  There is
    no event mode in co-simulation, no intermediate update, no early return. */
-#include "fmi3Functions.h"
+#include "component.h" /* first: it may set the prefix */
 
-#include "component.h"
+#include "fmi3Functions.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* FMI 3.0: functions of which the description says that they are not supported,
    and types of which there are no variables. */
-#include "fmi3Functions.h"
+#include "component.h" /* first: it may set the prefix */
 
-#include "component.h"
+#include "fmi3Functions.h"
 
 static fmi3Status absent(fmi3Instance instance, const char *function) {
     if (!component_may(instance, function, ANY))

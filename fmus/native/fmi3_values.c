@@ -1,8 +1,8 @@
 /* FMI 3.0: getting and setting.  A value reference names a whole variable and
    takes as many values as that has elements, rows first. */
-#include "fmi3Functions.h"
+#include "component.h" /* first: it may set the prefix */
 
-#include "component.h"
+#include "fmi3Functions.h"
 
 /* The variable of a reference if it has room in the values that are left. */
 static const Variable *whole(Component *c, const char *function,

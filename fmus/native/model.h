@@ -15,6 +15,8 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#include "names.h"
+
 typedef int Equation(const double **arg, double **res, long long *iw,
                      double *w, int mem);
 

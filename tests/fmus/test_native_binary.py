@@ -259,3 +259,28 @@ def test_another_compiler_finds_nothing_to_complain_about(
         cwd=tmp_path,
         check=True,
     )
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+@pytest.mark.parametrize("standard", ["FMI2", "FMI3"])
+def test_two_models_can_be_linked_into_one_program(
+    compiled: Callable, tmp_path: Path, standard: str
+) -> None:
+    objects: list[str] = []
+    for name in "pi", "shaft":
+        folder = tmp_path / name
+        folder.mkdir()
+        sources = adapter_sources() | compiled(name).generated
+        for file, text in sources.items():
+            (folder / file).write_text(text)
+        prefix = f"-D{standard}_FUNCTION_PREFIX={name}_"
+        command = ["gcc", "-std=c99", "-c", prefix, *source_names(sources)]
+        subprocess.run(command, cwd=folder, check=True)
+        objects += map(str, folder.glob("*.o"))
+    (tmp_path / "main.c").write_text("""
+        const char *pi_fmi2GetVersion(void), *shaft_fmi3GetVersion(void);
+        int main(void) { return pi_fmi2GetVersion() == shaft_fmi3GetVersion(); }
+    """)
+    command = ["gcc", "main.c", *objects, "-o", "both", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    assert run(tmp_path / "both") == ""

@@ -1,0 +1,61 @@
+/* An importer that links several models into one program gives each a function
+   prefix, for FMI 2 or FMI 3; then every other global name carries it as well.
+   Include before the headers of FMI. */
+#ifndef NAMES_H
+#define NAMES_H
+
+#if defined(FMI2_FUNCTION_PREFIX) && !defined(FMI3_FUNCTION_PREFIX)
+#define FMI3_FUNCTION_PREFIX FMI2_FUNCTION_PREFIX
+#elif defined(FMI3_FUNCTION_PREFIX) && !defined(FMI2_FUNCTION_PREFIX)
+#define FMI2_FUNCTION_PREFIX FMI3_FUNCTION_PREFIX
+#endif
+
+#if defined(FMI2_FUNCTION_PREFIX) && !defined(FMI2_OVERRIDE_FUNCTION_PREFIX) && \
+    !defined(FMI3_OVERRIDE_FUNCTION_PREFIX)
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+#define OWN(name) JOIN(FMI2_FUNCTION_PREFIX, name)
+#define component_exit_initialization OWN(component_exit_initialization)
+#define component_find                OWN(component_find)
+#define component_free                OWN(component_free)
+#define component_get_block           OWN(component_get_block)
+#define component_get_nominals        OWN(component_get_nominals)
+#define component_may                 OWN(component_may)
+#define component_may_set             OWN(component_may_set)
+#define component_move                OWN(component_move)
+#define component_new                 OWN(component_new)
+#define component_no_type             OWN(component_no_type)
+#define component_refuse              OWN(component_refuse)
+#define component_reset               OWN(component_reset)
+#define component_set                 OWN(component_set)
+#define component_set_logging         OWN(component_set_logging)
+#define component_set_states          OWN(component_set_states)
+#define component_set_time            OWN(component_set_time)
+#define component_set_times           OWN(component_set_times)
+#define component_step                OWN(component_step)
+#define component_values              OWN(component_values)
+#define delay_arrive                  OWN(delay_arrive)
+#define delay_enter                   OWN(delay_enter)
+#define delay_free                    OWN(delay_free)
+#define delay_next                    OWN(delay_next)
+#define delay_reset                   OWN(delay_reset)
+#define feeddrive_model               OWN(feeddrive_model)
+#define simulation_allocate           OWN(simulation_allocate)
+#define simulation_bad_delay          OWN(simulation_bad_delay)
+#define simulation_begin              OWN(simulation_begin)
+#define simulation_effort             OWN(simulation_effort)
+#define simulation_free               OWN(simulation_free)
+#define simulation_not_finite         OWN(simulation_not_finite)
+#define simulation_refresh            OWN(simulation_refresh)
+#define simulation_reset              OWN(simulation_reset)
+#define simulation_step               OWN(simulation_step)
+#define snapshot_read                 OWN(snapshot_read)
+#define snapshot_release              OWN(snapshot_release)
+#define snapshot_restore              OWN(snapshot_restore)
+#define snapshot_size                 OWN(snapshot_size)
+#define snapshot_take                 OWN(snapshot_take)
+#define snapshot_write                OWN(snapshot_write)
+#define state_size                    OWN(state_size)
+#endif
+
+#endif
