@@ -67,7 +67,7 @@ def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
         return np.asarray(reach - size)
     foot_x, foot_y = nearest_on_contour(x, y, shape, size)
     distance = np.hypot(x - foot_x, y - foot_y)
-    return np.copysign(distance, reach - size * np.sqrt(0.5))
+    return np.asarray(np.copysign(distance, reach - size * np.sqrt(0.5)))
 
 
 def nearest_on_contour(
