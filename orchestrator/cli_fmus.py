@@ -141,9 +141,12 @@ def _build(
         if skip_continuous and not isinstance(fmus.build.load_model(module), Sampled):
             exact = None
     begun = perf_counter()
-    file = fmus.build.build(
-        module, kind=kind, fmi=fmi, period=exact, platforms=platforms, folder=folder
-    )
+    try:
+        file = fmus.build.build(
+            module, kind=kind, fmi=fmi, period=exact, platforms=platforms, folder=folder
+        )
+    except fmus.build.BuildError as error:
+        raise ScenarioError(f"{module}: {error}") from None
     return {
         "module": module,
         "kind": kind,

@@ -55,7 +55,7 @@ def print_comparison(runs: "list[Run]", title: str) -> None:
     rows = []
     for name, before in first.metrics.items():
         after = second.metrics.get(name)
-        if after is None:
+        if after is None or name.endswith(".mean"):  # a mean is not to be lowered
             continue
         after = after.to(before.unit)
         lower = 100 * (1 - after.value / before.value) if before.value else 0.0

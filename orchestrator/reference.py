@@ -23,6 +23,7 @@ What a design step of the run found is ``metric = "design.<step>.<name>"``.
 A called function returns a number or a mapping of numbers, in ``unit``.
 """
 
+import re
 from pathlib import Path
 from typing import Any, Literal
 
@@ -86,10 +87,13 @@ def read_reference(file: Path) -> Reference:
     Raises:
         ScenarioError: the file is missing or says something wrong.
     """
+    raw = read_toml(file)
     try:
-        reference = Reference.model_validate(read_toml(file))
+        reference = Reference.model_validate(raw)
     except ValidationError as error:
-        raise ScenarioError(f"{file}: " + "; ".join(complaints(error))) from None
+        rows = raw.get("figure", [])
+        named = (_named(complaint, rows) for complaint in complaints(error))
+        raise ScenarioError(f"{file}: " + "; ".join(named)) from None
     seen: set[str] = set()
     for spec in reference.figure:
         if spec.id in seen:
@@ -101,3 +105,12 @@ def read_reference(file: Path) -> Reference:
                 remedy = did_you_mean(name, seen)
                 raise ScenarioError(f"{file}: {spec.id}: no figure {name!r}; {remedy}")
     return reference
+
+
+def _named(complaint: str, rows: Any) -> str:
+    """Call a row by its id instead of its number."""
+    match = re.match(r"figure\.(\d+)", complaint)
+    if match is None or not isinstance(rows[int(match[1])], dict):
+        return complaint
+    name = rows[int(match[1])].get("id", f"number {match[1]}")
+    return f"figure {name}{complaint[match.end() :]}"
