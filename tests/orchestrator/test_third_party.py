@@ -61,6 +61,7 @@ pull = {{ name = "f", unit = "V" }}
 "plant.pull" = "force.d_2"
 [record]
 "plant.y" = true
+"plant.damper.s_rel" = true
 """
     )
     done = run_scenario(scenario, tmp_path / "run", report=False)
@@ -74,4 +75,4 @@ pull = {{ name = "f", unit = "V" }}
         fmi_type="CoSimulation",
     )
     np.testing.assert_allclose(np.array(done["plant.y"]), alone["y"], atol=1e-13)
-    assert done["plant.y"].unit == "m"
+    assert done["plant.damper.s_rel"].unit == "m"
