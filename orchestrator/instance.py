@@ -132,9 +132,9 @@ class LocalInstance:
     def instantiate(self) -> None:
         with self._named("instantiate"):
             if self._fmi2:
-                self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=False)
+                self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
             else:
-                self._fmu.instantiate(logMessage=self._fmi3_message)
+                self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
         self._slave = ctypes.c_void_p(self._fmu.component)
 
     def _callbacks(self) -> Any:
