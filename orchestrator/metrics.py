@@ -13,7 +13,12 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.metrics_motion import contour_error, step_response, sustained
+from orchestrator.metrics_motion import (
+    contour_error,
+    onset,
+    step_response,
+    sustained,
+)
 from orchestrator.quantity import Quantity, converter, product_unit, quotient_unit
 from orchestrator.result import Signal
 from orchestrator.scenario_metrics import (
@@ -214,33 +219,6 @@ def spectrum_line(
         "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
         "frequency": Quantity(float(lines[nearest]), "Hz"),
     }
-
-
-def onset(
-    time: Array, y: Array, ramp: Array, piece: float, unit: str
-) -> dict[str, Quantity]:
-    """Return ramp and time where the oscillation of y stops to decay; all (n,).
-
-    The logarithm of its size, piece by piece (s), is smallest there (parabola
-    through the three lowest pieces).
-
-    Raises:
-        ScenarioError: the oscillation only decays or only grows.
-    """
-    rows = max(2, round(piece * (len(time) - 1) / (time[-1] - time[0])))
-    count = len(y) // rows
-    size = np.std(y[: count * rows].reshape(count, rows), axis=1)
-    lowest = int(np.argmin(size))
-    if not 0 < lowest < count - 1:
-        raise ScenarioError(
-            "the oscillation does not first decay and then grow: no onset between "
-            f"{ramp[0]:g} and {ramp[-1]:g} {unit}"
-        )
-    left, here, right = np.log(size[lowest - 1 : lowest + 2])
-    middle = lowest + 0.5 * (left - right) / (left - 2 * here + right)
-    at = float(np.interp((middle + 0.5) * rows - 0.5, np.arange(len(time)), time))
-    limit = float(np.interp(at, time, ramp))
-    return {"limit": Quantity(limit, unit), "time": Quantity(at, "s")}
 
 
 def _recorded(name: str, signals: Mapping[str, Signal]) -> Signal:

@@ -104,3 +104,31 @@ def sustained(
         f"no oscillation of more than {span:g} on any stair up to level "
         f"{level[-1]:g}; raise the levels or give the run a later stop"
     )
+
+
+def onset(
+    time: Array, y: Array, ramp: Array, piece: float, unit: str
+) -> dict[str, Quantity]:
+    """Return ramp and time where the oscillation of y stops to decay; all (n,).
+
+    The logarithm of its size, piece by piece (s), is smallest there (parabola
+    through the three lowest pieces).  Second differences leave slow motion out.
+
+    Raises:
+        ScenarioError: the oscillation only decays or only grows.
+    """
+    rows = max(2, round(piece * (len(time) - 1) / (time[-1] - time[0])))
+    count = len(y) // rows
+    curvature = np.diff(y, 2, prepend=y[0], append=y[-1])
+    size = np.std(curvature[: count * rows].reshape(count, rows), axis=1)
+    lowest = int(np.argmin(size))
+    if not 0 < lowest < count - 1:
+        raise ScenarioError(
+            "the oscillation does not first decay and then grow: no onset between "
+            f"{ramp[0]:g} and {ramp[-1]:g} {unit}"
+        )
+    left, here, right = np.log(size[lowest - 1 : lowest + 2])
+    middle = lowest + 0.5 * (left - right) / (left - 2 * here + right)
+    at = float(np.interp((middle + 0.5) * rows - 0.5, np.arange(len(time)), time))
+    limit = float(np.interp(at, time, ramp))
+    return {"limit": Quantity(limit, unit), "time": Quantity(at, "s")}

@@ -47,7 +47,7 @@ class Cascade:
     """The table under the cascade P/PI with parameters by name, see the module.
 
     Raises:
-        KeyError: no parameter of plant or controller of that name.
+        LookupError: no parameter of plant or controller of that name.
     """
 
     def __init__(self, **parameters: Any) -> None:
@@ -106,7 +106,7 @@ def figures(**parameters: Any) -> dict[str, float]:
         circle_shifted_K                  the same by the circle criterion
 
     Raises:
-        KeyError: no parameter of plant or controller of that name.
+        LookupError: no parameter of plant or controller of that name.
     """
     cascade = Cascade(**parameters)
     locus = cascade.position

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import ScenarioError
-from orchestrator.metrics_motion import contour_error, step_response, sustained
+from orchestrator.metrics_motion import (
+    contour_error,
+    onset,
+    step_response,
+    sustained,
+)
 
 time = np.arange(5001) * 2e-4
 
@@ -61,3 +66,25 @@ def test_the_first_stair_that_ends_oscillating_counts_not_one_that_rings_down():
     assert found == pytest.approx(2.0 * 1.1**3)
     with pytest.raises(ScenarioError, match="raise the levels"):
         sustained(time, ringing, level, 0.2, 0.05, 0.5)
+
+
+def ringing_under_a_ramp(limit):
+    """Return a gain from 2 to 3 over a second and what decays below ``limit``."""
+    gain = 2 + time
+    size = np.exp(50 * (gain - limit) ** 2)
+    return gain, size * np.sin(600 * time) + 1e4 * np.exp(-5 * time)
+
+
+@pytest.mark.parametrize("limit", [2.3, 2.437, 2.6])
+def test_a_ramped_gain_passes_its_limit_where_the_ringing_is_smallest(limit):
+    gain, y = ringing_under_a_ramp(limit)
+    found = onset(time, y, gain, 0.05, "1")
+    assert found["limit"].value == pytest.approx(limit, abs=0.01)
+    assert found["time"].value == pytest.approx(limit - 2, abs=0.01)
+
+
+@pytest.mark.parametrize("limit", [1.5, 3.5])
+def test_ringing_that_only_grows_or_only_decays_has_no_onset(limit):
+    gain, y = ringing_under_a_ramp(limit)
+    with pytest.raises(ScenarioError, match="first decay and then grow"):
+        onset(time, y - 1e4 * np.exp(-5 * time), gain, 0.05, "1")
