@@ -10,12 +10,12 @@ parameters that are not numbers or cannot be set.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isfinite
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu import FmuDescription, FmuVariable
 from orchestrator.ports import Affine, Port, connection, ports
-from orchestrator.system import Component, Kind, System, Value, split_name
+from orchestrator.start_values import start_values
+from orchestrator.system import Component, Kind, System, split_name
 
 
 @dataclass(frozen=True)
@@ -304,7 +304,7 @@ class _Layout:
             raw,
             published,
             delayed,
-            tuple(_start(component, fmu)),
+            start_values(component, fmu),
             copies,
         )
 
@@ -325,58 +325,3 @@ def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]
     return tuple(
         sorted(found.values(), key=lambda v: (v.fmi_type not in doubles, v.fmi_type))
     )
-
-
-def _start(
-    component: Component, fmu: FmuDescription
-) -> list[tuple[FmuVariable, tuple[float, ...]]]:
-    """Return what is written before initialisation, as the FMU's own numbers."""
-    written = []
-    for section in ("parameters", "start"):
-        values: Mapping[str, Value] = getattr(component, section)
-        for name, value in values.items():
-            where = f"components.{component.name}.{section}.{name}"
-            try:
-                found = ports(component, fmu, name)
-            except WiringError as error:
-                raise WiringError(f"{where}: {error}") from None
-            written.extend(_numbers(where, found, value))
-    return written
-
-
-def _numbers(
-    where: str, found: Sequence[Port], value: Value
-) -> list[tuple[FmuVariable, tuple[float, ...]]]:
-    for port in found:
-        v = port.variable
-        settable = v.causality in ("parameter", "input", "structuralParameter")
-        settable = settable or v.initial in ("exact", "approx")
-        if not settable or v.variability == "constant":
-            raise WiringError(
-                f"{where}: a {v.variability} {v.causality} of the FMU cannot be set"
-            )
-    given = value if isinstance(value, tuple) else (value,)
-    numbers = [float(v) for v in given]
-    if len(numbers) != len(found):
-        raise WiringError(
-            f"{where}: {len(found)} numbers expected, {len(numbers)} given"
-        )
-    if not all(map(isfinite, numbers)):
-        raise WiringError(f"{where} = {value}: must be a finite number")
-    whole: dict[str, tuple[FmuVariable, list[float]]] = {}
-    for port, number in zip(found, numbers, strict=True):
-        v = port.variable
-        whole.setdefault(v.name, (v, _declared(v)))
-        whole[v.name][1][port.element] = port.gain * number + port.offset
-    return [(variable, tuple(values)) for variable, values in whole.values()]
-
-
-def _declared(variable: FmuVariable) -> list[float]:
-    """Return a variable's start values as the FMU declares them, else zeros."""
-    words = {"true": 1.0, "false": 0.0}
-    declared = [
-        words[w] if w in words else float(w) for w in (variable.start or "").split()
-    ]
-    if len(declared) == 1:
-        return declared * variable.size
-    return declared if len(declared) == variable.size else [0.0] * variable.size
