@@ -1,0 +1,247 @@
+"""Loops of the gantry study, and every frequency-domain figure read off them.
+
+    z-domain    exact zero-order hold of the traced plant, the traced run-time
+                controller, ``latency`` samples of delay
+    s-domain    transfer functions of the source, no delay
+
+Parameters are given by name: ``m_x`` goes to plant and controller alike, ``plant.c``
+or ``controller.filters.omega_lpf_hz`` to one of them.  Plants are the drives of
+``plants.linear_motor_drive`` and ``plants.gantry_drive``: what is switched off is
+not there.  Frequencies in Hz, phases in degrees, as published.
+Source: Gordon 2010, chapter 4.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import control as ct
+import numpy as np
+from scipy import optimize
+
+from controllers import gantry_mimo, gantry_pid, gantry_x
+from controllers.synthesis import multivariable as mv
+from controllers.synthesis.frequency import Loop, battery
+from controllers.synthesis.frequency import poles as loop_poles
+from controllers.synthesis.frequency import respond as loop_respond
+from controllers.synthesis.gantry_continuous import mimo_law, pid_law
+from controllers.synthesis.linearise import linearise, without_bystanders
+from controllers.synthesis.parameters import share, with_values
+from fmus.model import FloatArray, Model, Record
+from plants import gantry, gantry_drive, linear_motor_drive
+
+CONTROLLERS: dict[str, tuple[Model, Any]] = {
+    "mimo": (gantry_mimo.model, mimo_law),
+    "pid": (gantry_pid.model, pid_law),
+}
+# where the yaw mode is looked for, opened and closed
+YAW_HZ = (75.0, 140.0)
+
+
+def plant_figures(x: float = 0.0, **parameters: float) -> dict[str, float]:
+    """Return yaw_frequency (Hz), yaw_damping, and yaw_shift (%) against x = 0.
+
+    Args:
+        x: table position (m).
+        parameters: of ``plants.gantry`` by name.
+    """
+    (p,) = share(parameters, {"plant": gantry.model.parameters})
+
+    def yaw(at: float) -> complex:
+        poles = linearise(gantry.model, parameters=p, input=gantry.Input(x=at)).poles()
+        return complex(poles[np.argmax(poles.imag)])
+
+    here, middle = yaw(x), yaw(0.0)
+    now = gantry.geometry(x, p)
+    return {
+        "yaw_frequency": abs(here) / (2 * np.pi),
+        "yaw_damping": -here.real / abs(here),
+        "yaw_shift": 100 * (abs(here) / abs(middle) - 1),
+        "alpha_1": float(now.a_2 / p.L),
+        "alpha_2": float(now.a_1 / p.L),
+    }
+
+
+def x_figures(
+    lag: bool = True, latency: int = 1, T_s: float = 1 / 15_000, **parameters: float
+) -> dict[str, float]:
+    """Return the figures of the x loop, z-domain.
+
+    ``crossover``, ``phase_margin``, ``s_max``, ``s_max_frequency``, ``active_to``
+    (|S| < 1 up to), ``radius`` (largest eigenvalue).
+
+    Args:
+        lag: the drive lags (``plants.linear_motor_drive``).
+        latency, T_s: delay in whole samples, sample time (s).
+        parameters: by name, see the module.
+    """
+    records = {
+        "plant": linear_motor_drive.model.parameters,
+        "controller": gantry_x.model.parameters,
+    }
+    drive, p = share(parameters, records)
+    drive = with_values(drive, {"amplifier.on": lag})
+    plant = linearise(
+        linear_motor_drive.model, parameters=drive, inputs=["u", "d"], outputs=["x"]
+    )
+    names = ["x_m", "x_r", "a_xr"]
+    law = linearise(gantry_x.model, parameters=p, inputs=names, outputs=["u"], T_s=T_s)
+    loop = Loop(without_bystanders(plant).sample(T_s, "zoh"), law, latency)
+    found = battery(loop_respond(loop))
+    falling = np.flatnonzero(found.falling)[-1]
+    return {
+        "crossover": float(found.crossovers_hz[falling]),
+        "phase_margin": float(np.rad2deg(found.phase_margins[falling])),
+        "s_max": found.s_max,
+        "s_max_frequency": found.s_max_hz,
+        "active_to": float(found.bands_hz[0, 1]),
+        "radius": float(np.max(np.abs(loop_poles(loop)))),
+    }
+
+
+def figures(
+    controller: str,
+    domain: str = "z",
+    x: float = 0.0,
+    latency: int = 1,
+    T_s: float = 1 / 15_000,
+    **parameters: float,
+) -> dict[str, float]:
+    """Return the figures of the gantry's loop with one controller.
+
+        crossover_1, ...                  upper singular value of L passes 1
+        s_max, s_max_frequency            largest upper singular value of S
+        active_to                         of S below 1 up to
+        rejection_1_from, ..._to, ...     of S G below that of G
+        yaw_attenuation, yaw_frequency    peak of G over that of S G, and where
+        radius                            largest eigenvalue (z-domain)
+        turns                             clockwise turns of det(I + L) (z-domain)
+
+    Args:
+        controller: ``mimo`` or ``pid``.
+        domain: ``z``, or ``s`` without sampling and delay.
+        x: table position for plant and schedule (m).
+        latency, T_s: delay in whole samples, sample time (s).
+        parameters: by name, see the module.
+
+    Raises:
+        KeyError: no such controller, domain or parameter.
+    """
+    if domain == "z":
+        loop = sampled_loop(controller, x, parameters, latency, T_s)
+        found = named(mv.respond(loop))
+        eigenvalues = mv.poles(loop)
+        found["radius"] = float(np.max(np.abs(eigenvalues)))
+        found["turns"] = float(mv.clockwise_turns(loop))
+        return found | _fastest_growing(eigenvalues, T_s)
+    if domain != "s":
+        raise KeyError(f"no domain {domain!r}: z or s")
+    return named(continuous_response(controller, x, parameters))
+
+
+def _fastest_growing(z: mv.ComplexArray, T_s: float) -> dict[str, float]:
+    """Return frequency, damping and time constant of a growing pair, if any."""
+    s = np.log(z[np.argmax(np.abs(z))]) / T_s
+    if s.real <= 0 or s.imag == 0:
+        return {}
+    return {
+        "growing_frequency": float(abs(s) / (2 * np.pi)),
+        "growing_damping": float(-s.real / abs(s)),
+        "growth_time": float(1 / s.real),
+    }
+
+
+def integral_limit(
+    latency: int = 1, T_s: float = 1 / 15_000, **parameters: float
+) -> float:
+    """Return the k_i (V/(m s)) at which the averaged loop's yaw mode turns unstable.
+
+    Args:
+        latency, T_s: delay in whole samples, sample time (s).
+        parameters: by name; ``beta = 0`` asks for the limit without damping.
+    """
+
+    def excess(k_i: float) -> float:
+        loop = sampled_loop("mimo", 0.0, parameters | {"k_i": k_i}, latency, T_s)
+        z = mv.poles(loop)
+        f_hz = np.abs(np.angle(z)) / (2 * np.pi * T_s)
+        return float(np.max(np.abs(z[(f_hz > 60) & (f_hz < 200)])) - 1)
+
+    return float(optimize.brentq(excess, 1e6, 1e8, xtol=1.0))
+
+
+def sampled_loop(
+    controller: str,
+    x: float,
+    parameters: Mapping[str, float],
+    latency: int = 1,
+    T_s: float = 1 / 15_000,
+) -> mv.MultiLoop:
+    """Return the z-domain loop (u_1, u_2) → (y_1, y_2) with the table at x (m)."""
+    plant, p = _parts(controller, x, parameters)
+    model, _ = CONTROLLERS[controller]
+    law = linearise(
+        model,
+        parameters=p,
+        input=model.input._replace(x_s=x),
+        inputs=["y_1m", "y_2m"],
+        outputs=["u_1", "u_2"],
+        T_s=T_s,
+    )
+    return mv.MultiLoop(plant.sample(T_s, "zoh"), without_bystanders(law), latency)
+
+
+def continuous_response(
+    controller: str,
+    x: float,
+    parameters: Mapping[str, float],
+    f_hz: FloatArray = mv.GRID_HZ,
+) -> mv.MultiResponse:
+    """Return G and K of the source in the s-domain, without delay."""
+    plant, p = _parts(controller, x, parameters)
+    s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
+    return mv.MultiResponse(
+        f_hz, mv.evaluate(plant, s), CONTROLLERS[controller][1](p, x, s)
+    )
+
+
+def _parts(
+    controller: str, x: float, parameters: Mapping[str, float]
+) -> tuple[ct.StateSpace, Record]:
+    """Return the plant (u_1, u_2) → (y_1, y_2) and the controller's parameters."""
+    if controller not in CONTROLLERS:
+        raise KeyError(f"no controller {controller!r}, there are mimo and pid")
+    records = {
+        "plant": gantry_drive.model.parameters,
+        "controller": CONTROLLERS[controller][0].parameters,
+    }
+    drive, p = share(parameters, records)
+    plant = linearise(
+        gantry_drive.model,
+        parameters=drive,
+        input=gantry.Input(x=x),
+        inputs=["u_1", "u_2"],
+        outputs=["y_1", "y_2"],
+    )
+    return without_bystanders(plant), p
+
+
+def named(response: mv.MultiResponse) -> dict[str, float]:
+    """Read the figures of a loop, by name (see ``figures``)."""
+    f_hz = response.f_hz
+    L, S = mv.upper(response.L), response.S
+    closed, opened = mv.upper(S @ response.G), mv.upper(response.G)
+    sensitivity = mv.upper(S)
+    worst = int(np.argmax(sensitivity))
+    at_yaw = (f_hz >= YAW_HZ[0]) & (f_hz <= YAW_HZ[1])
+    peak = int(np.argmax(closed[at_yaw]))
+    found = {f"crossover_{i}": float(f) for i, f in enumerate(mv.crossings(f_hz, L), 1)}
+    for i, (low, high) in enumerate(mv.bands_below(f_hz, closed / opened), 1):
+        found |= {f"rejection_{i}_from": float(low), f"rejection_{i}_to": float(high)}
+    active = mv.bands_below(f_hz, sensitivity)
+    return found | {
+        "s_max": float(sensitivity[worst]),
+        "s_max_frequency": float(f_hz[worst]),
+        "active_to": float(active[0, 1]) if len(active) else 0.0,
+        "yaw_attenuation": float(np.max(opened[at_yaw]) / closed[at_yaw][peak]),
+        "yaw_frequency": float(f_hz[at_yaw][peak]),
+    }
