@@ -49,7 +49,7 @@ def demo(verbose: Verbose = False) -> None:
 
 def print_comparison(runs: "list[Run]", title: str) -> None:
     """Print the common figures of two runs, and how much lower the second's are."""
-    from orchestrator.report_figure import name_of
+    from orchestrator.report_figure import names_of
 
     first, second = runs
     rows = []
@@ -62,7 +62,7 @@ def print_comparison(runs: "list[Run]", title: str) -> None:
         reduction = f"{lower:.1f} %" if abs(lower) < 1000 else ""
         values = [f"{q.value:.4g}" for q in (before, after)]
         rows.append([name, *values, before.unit, reduction])
-    head = ["figure", *(f">{name_of(run)}" for run in runs), "unit", ">reduction"]
+    head = ["figure", *(f">{name}" for name in names_of(runs)), "unit", ">reduction"]
     print_table(head, rows, title)
 
 
@@ -93,7 +93,7 @@ def reproduce(
 
 
 def print_figures(study: str, figures: "list[Figure]") -> None:
-    """Print published and own figures side by side, with a count of the verdicts."""
+    """Print published and own figures side by side, why they differ, and a count."""
     rows = []
     for f in figures:
         spec, unit = f.spec, "" if f.spec.unit == "1" else f.spec.unit
@@ -104,7 +104,6 @@ def print_figures(study: str, figures: "list[Figure]") -> None:
             difference = f"{f.difference:+.3g}"
             if spec.published:
                 difference += f" ({100 * f.difference / spec.published:+.1f} %)"
-        verdict = f.verdict + (f": {spec.why}" if spec.why else "")
         rows.append(
             [
                 spec.id,
@@ -114,11 +113,14 @@ def print_figures(study: str, figures: "list[Figure]") -> None:
                 unit,
                 difference,
                 spec.class_,
-                verdict,
+                f.verdict,
             ]
         )
     head = ("figure", "where", ">published", ">ours", "unit", ">difference", "class")
     print_table([*head, "verdict"], rows, study)
+    for f in figures:
+        if f.spec.why:
+            typer.echo(f"  {f.spec.id}: {f.spec.why}")
     counts: dict[str, int] = {}
     for f in figures:
         counts[f.verdict] = counts.get(f.verdict, 0) + 1

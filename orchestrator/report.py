@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
 from orchestrator.quantity import Quantity, rate
-from orchestrator.report_figure import figure, name_of
+from orchestrator.report_figure import figure, name_of, names_of
 
 if TYPE_CHECKING:
     from orchestrator.session import Run
@@ -52,15 +52,15 @@ def _metrics(runs: "Sequence[Run]") -> str:
     if not names:
         return "<p>The scenario defines no metrics.</p>"
     compared = len(runs) == 2
-    head = ["figure", *(name_of(run) for run in runs)]
+    head = ["figure", *names_of(runs)]
     head += ["change"] if compared else []
     head += ["expected"] if any(run.checks for run in runs) else []
     rows = []
     for name in names:
         values = [run.metrics.get(name) for run in runs]
         row = [escape(name), *(escape(str(v)) if v else "" for v in values)]
-        if compared:
-            row.append(_change(*values))
+        if compared:  # a mean is not to be lowered
+            row.append("" if name.endswith(".mean") else _change(*values))
         if "expected" in head:
             row.append(_checked(runs, name))
         rows.append(row)

@@ -110,8 +110,8 @@ def _line(curve: Curve, compared: bool, styles: dict[str, int]) -> dict[str, Any
 def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
     """Return the panels of a report; runs share the panels of equal meaning."""
     merged: dict[tuple[str, str], Panel] = {}
-    for number, run in enumerate(runs):
-        label = f"{name_of(run)}: " if len(runs) > 1 else ""
+    for number, (run, name) in enumerate(zip(runs, names_of(runs), strict=True)):
+        label = f"{name}: " if len(runs) > 1 else ""
         own = {(p.title, p.unit): p for p in _tracking(run, number, label)}
         own |= {("", p.unit): p for p in _others(run, number, label)}
         for key, panel in own.items():
@@ -123,6 +123,16 @@ def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
 def name_of(run: "Run") -> str:
     """Return a short name of a run for legends and tables."""
     return run.scenario.spec.title or run.scenario.name.rpartition("/")[2]
+
+
+def names_of(runs: "Sequence[Run]") -> list[str]:
+    """Return names that tell runs apart, without the ending all have in common."""
+    names = [name_of(run) for run in runs]
+    words = [name.split() for name in names]
+    while all(words) and len({line[-1] for line in words}) == 1:
+        words = [line[:-1] for line in words]
+    short = [" ".join(line).rstrip(",") for line in words]
+    return short if all(short) and len(runs) > 1 else names
 
 
 def _already(curve: Curve, known: Sequence[Curve]) -> bool:

@@ -1,5 +1,7 @@
 """A report shows every peak and what produced it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 
 from orchestrator.errors import ScenarioError
 from orchestrator.report import write_report
-from orchestrator.report_figure import decimate, panels
+from orchestrator.report_figure import decimate, names_of, panels
 from orchestrator.scenario import load_scenario
 from orchestrator.session import run
 
@@ -45,6 +47,18 @@ def test_compared_runs_share_panels_and_say_whose_curve_is_whose(runs):
     assert [p.title for p in alone] == [p.title for p in both]
     for panel in both:
         assert {curve.run for curve in panel.curves} == {0, 1}
+
+
+def test_names_of_compared_runs_lose_what_they_share():
+    def run(title):
+        spec = SimpleNamespace(title=title)
+        return SimpleNamespace(scenario=SimpleNamespace(spec=spec))
+
+    cascade, placed = run("P-PI, set A, at 500 mm/s"), run("MC-PPC at 500 mm/s")
+    assert names_of([cascade, placed]) == ["P-PI, set A", "MC-PPC"]
+    assert names_of([placed, placed]) == ["MC-PPC at 500 mm/s"] * 2
+    assert names_of([placed]) == ["MC-PPC at 500 mm/s"]
+    assert names_of([run("one"), run("two")]) == ["one", "two"]
 
 
 def test_a_report_is_one_file_that_names_components_rates_and_digests(runs, tmp_path):
