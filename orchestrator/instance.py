@@ -14,7 +14,6 @@ import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -23,27 +22,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu import FmuDescription, FmuVariable
-
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-_WARNING = 1
-
-_FMI2 = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"} | {
-    "Boolean": "Boolean"
-}
-_CTYPES: dict[str, Any] = {
-    "Real": ctypes.c_double,
-    "Integer": ctypes.c_int,
-    "Float64": ctypes.c_double,
-    "Float32": ctypes.c_float,
-    "Int8": ctypes.c_int8,
-    "UInt8": ctypes.c_uint8,
-    "Int16": ctypes.c_int16,
-    "UInt16": ctypes.c_uint16,
-    "Int32": ctypes.c_int32,
-    "UInt32": ctypes.c_uint32,
-    "Int64": ctypes.c_int64,
-    "UInt64": ctypes.c_uint64,
-}
+from orchestrator.group import STATUS, WARNING, Group, groups
 
 
 class Instance(Protocol):
@@ -100,15 +79,16 @@ class LocalInstance:
     ) -> None:
         self.name = name
         self.description = description
-        self.time = 0.0
+        self.clock = ctypes.c_double(0.0)
         self._log = log
         self._messages: list[LogMessage] = []
         self._fmi2 = description.fmi_major == 2
-        self._slave: Any = None
+        self.slave: Any = None
         self._initialized = False
         _require_binary(description, folder)
         try:
             self._fmu = self._load(folder)
+            self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise
         except Exception as error:  # fmpy raises bare Exception when loading fails
@@ -116,6 +96,11 @@ class LocalInstance:
                 f"{description.path} ({name}): its library cannot be loaded: {error}; "
                 f"check with `ldd` which system library it lacks"
             ) from None
+
+    @property
+    def time(self) -> float:
+        """The start of the latest step (s); the kernel writes it too."""
+        return self.clock.value
 
     def _load(self, folder: Path) -> Any:
         from fmpy.fmi2 import FMU2Slave
@@ -135,7 +120,7 @@ class LocalInstance:
                 self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
             else:
                 self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
-        self._slave = ctypes.c_void_p(self._fmu.component)
+        self.slave = ctypes.c_void_p(self._fmu.component)
 
     def _callbacks(self) -> Any:
         from fmpy.fmi1 import calloc, free
@@ -187,18 +172,17 @@ class LocalInstance:
             part = values[position : position + variable.size]
             position += variable.size
             with self._named(f"set {variable.name}"):
-                group = _Group(self, [variable], None, 0)
-                group.set(part)
+                Group(self, [variable]).set(part)
 
     def read(self, variables: Sequence[FmuVariable]) -> list[float]:
         values: list[float] = []
         for variable in variables:
             with self._named(f"get {variable.name}"):
-                values.extend(_Group(self, [variable], None, 0).get())
+                values.extend(Group(self, [variable]).get())
         return values
 
     def enter_initialization(self, start: float) -> None:
-        self.time = start
+        self.clock.value = start
         with self._named("enter initialization"):
             if self._fmi2:
                 self._fmu.setupExperiment(startTime=start)
@@ -219,17 +203,17 @@ class LocalInstance:
         outputs: Sequence[FmuVariable],
         first_output: int,
     ) -> None:
-        self._inputs = _groups(self, inputs, vector, first_input)
-        self._outputs = _groups(self, outputs, vector, first_output)
+        self.inputs = groups(self, inputs, vector, first_input)
+        self.outputs = groups(self, outputs, vector, first_output)
         name = "fmi2DoStep" if self._fmi2 else "fmi3DoStep"
-        self._do_step = self._fmu.dll[name]
-        self._do_step.restype = ctypes.c_int
+        self.do_step = self.library[name]
+        self.do_step.restype = ctypes.c_int
         flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
         self._reached = ctypes.c_double()
         self._event, self._ended, self._early = flags
         if self._fmi2:
             self._tail: tuple[Any, ...] = (1,)
-            self._do_step.argtypes = [
+            self.do_step.argtypes = [
                 ctypes.c_void_p,
                 ctypes.c_double,
                 ctypes.c_double,
@@ -238,7 +222,7 @@ class LocalInstance:
         else:
             pointers = [ctypes.pointer(flag) for flag in flags]
             self._tail = (True, *pointers, ctypes.pointer(self._reached))
-            self._do_step.argtypes = [
+            self.do_step.argtypes = [
                 ctypes.c_void_p,
                 ctypes.c_double,
                 ctypes.c_double,
@@ -248,31 +232,36 @@ class LocalInstance:
             ]
 
     def push(self) -> None:
-        for group in self._inputs:
+        for group in self.inputs:
             group.push()
 
     def pull(self) -> None:
-        for group in self._outputs:
+        for group in self.outputs:
             group.pull()
 
     def step(self, t: float, h: float) -> None:
-        self.time = t
-        status = self._do_step(self._slave, t, h, *self._tail)
-        if status > _WARNING:
-            raise self.fail(f"doStep of {h:.9g} s", f"returned {STATUS[status]}")
-        if not self._fmi2 and (self._ended.value or self._early.value):
-            raise self.fail(f"doStep of {h:.9g} s", "asked to end the simulation")
+        self.clock.value = t
+        status = self.do_step(self.slave, t, h, *self._tail)
+        ended = not self._fmi2 and (self._ended.value or self._early.value)
+        if status > WARNING or ended:
+            raise self.failed_step(h, status)
+
+    def failed_step(self, h: float, status: int) -> SimulationError:
+        """Return the error for a step that returned a status or ended the run."""
+        bad = status > WARNING
+        why = f"returned {STATUS[status]}" if bad else "asked to end the simulation"
+        return self.fail(f"doStep of {h:.9g} s", why)
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
-        if self._slave is None:
+        if self.slave is None:
             return
         with suppress(Exception):
             if self._initialized:
                 self._fmu.terminate()
         with suppress(Exception):
             self._fmu.freeInstance()
-        self._slave = None
+        self.slave = None
 
 
 class _Named:
@@ -288,110 +277,6 @@ class _Named:
             return
         if isinstance(error, Exception):
             raise self.instance.fail(self.function, f"failed ({error})") from None
-
-
-class _Group:
-    """Variables of one FMI type, moved in one call.
-
-    With ``vector`` the doubles are read and written in place at ``first``.
-    """
-
-    def __init__(
-        self,
-        instance: LocalInstance,
-        variables: Sequence[FmuVariable],
-        vector: NDArray[np.float64] | None,
-        first: int,
-    ) -> None:
-        kind = variables[0].fmi_type
-        fmi2 = instance.description.fmi_major == 2
-        if fmi2:
-            kind = _FMI2[kind]
-        elif kind == "Enumeration":
-            kind = "Int64"
-        boolean = ctypes.c_int if fmi2 else ctypes.c_bool
-        element = boolean if kind == "Boolean" else _CTYPES[kind]
-        self.instance, self.kind, self.names = instance, kind, variables[0].name
-        self.size = sum(v.size for v in variables)
-        references = (ctypes.c_uint * len(variables))(*(v.reference for v in variables))
-        self.first, self.vector = first, vector
-        self.in_place = vector is not None and element is ctypes.c_double
-        if vector is not None and self.in_place:
-            self.buffer: Any = (element * self.size).from_buffer(vector.data, 8 * first)
-        else:
-            self.buffer = (element * self.size)()
-        prefix = "fmi2" if fmi2 else "fmi3"
-        arguments: list[Any] = [
-            instance._slave,
-            references,
-            len(variables),
-            self.buffer,
-        ]
-        types: list[Any] = [
-            ctypes.c_void_p,
-            ctypes.POINTER(ctypes.c_uint),
-            ctypes.c_size_t,
-            ctypes.POINTER(element),
-        ]
-        if not fmi2:
-            arguments.append(self.size)
-            types.append(ctypes.c_size_t)
-        self.arguments = tuple(arguments)
-        self._getter = instance._fmu.dll[f"{prefix}Get{kind}"]
-        self._setter = instance._fmu.dll[f"{prefix}Set{kind}"]
-        for function in (self._getter, self._setter):
-            function.argtypes, function.restype = types, ctypes.c_int
-
-    def push(self) -> None:
-        if not self.in_place:
-            assert self.vector is not None
-            self._fill(self.vector[self.first : self.first + self.size])
-        if (status := self._setter(*self.arguments)) > _WARNING:
-            raise self._failure("set", status)
-
-    def pull(self) -> None:
-        if (status := self._getter(*self.arguments)) > _WARNING:
-            raise self._failure("get", status)
-        if not self.in_place:
-            assert self.vector is not None
-            self.vector[self.first : self.first + self.size] = list(self.buffer)
-
-    def set(self, values: Sequence[float]) -> None:
-        self._fill(values)
-        if (status := self._setter(*self.arguments)) > _WARNING:
-            raise self._failure("set", status)
-
-    def get(self) -> list[float]:
-        if (status := self._getter(*self.arguments)) > _WARNING:
-            raise self._failure("get", status)
-        return [float(v) for v in self.buffer]
-
-    def _fill(self, values: Sequence[float] | NDArray[np.float64]) -> None:
-        if self.kind in ("Real", "Float64", "Float32"):
-            self.buffer[:] = [float(v) for v in values]
-        elif self.kind == "Boolean":
-            self.buffer[:] = [bool(v) for v in values]
-        else:
-            self.buffer[:] = [int(v) for v in values]
-
-    def _failure(self, verb: str, status: int) -> SimulationError:
-        return self.instance.fail(
-            f"{verb} {self.kind} ({self.names}, ...)", f"returned {STATUS[status]}"
-        )
-
-
-def _groups(
-    instance: LocalInstance,
-    variables: Sequence[FmuVariable],
-    vector: NDArray[np.float64],
-    first: int,
-) -> list[_Group]:
-    groups = []
-    for _, same in groupby(variables, key=lambda v: v.fmi_type):
-        members = list(same)
-        groups.append(_Group(instance, members, vector, first))
-        first += groups[-1].size
-    return groups
 
 
 def _require_binary(description: FmuDescription, folder: Path) -> None:

@@ -5,8 +5,9 @@ periods, offsets and the stop.  A clock n is due at first + i * every, i >= 0.
 The instants are those of the closed interval [0, stop] at which a clock is due,
 and 0 and stop in any case.  Times become floats in one place, ``seconds``.
 
-The pattern of due clocks is stored for one hyperperiod up to ``STORED``
-entries, else produced from a heap; both give the same instants.
+Instants come in stretches.  The pattern of due clocks is stored for one
+hyperperiod up to ``STORED`` entries and repeated, else all come from a heap;
+both give the same instants.
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,12 +15,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from heapq import heapify, heapreplace
-from itertools import chain
+from itertools import islice
 from math import gcd, lcm
+from typing import Generic, TypeVar
 
 from orchestrator.errors import ScheduleError
 
 STORED = 1_000_000
+LAZY = 4096  # instants in a stretch that does not repeat
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,27 @@ class Clock:
 
     period: Fraction
     offset: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class Stretch(Generic[T]):
+    """The instants first + r * length + offsets[i], for each r < repeats all i.
+
+    ``entries[i]`` says what happens at them.
+    """
+
+    first: int
+    length: int
+    repeats: int
+    offsets: tuple[int, ...]
+    entries: tuple[T, ...]
+
+    def __iter__(self) -> Iterator[tuple[int, T]]:
+        """Yield every instant and its entry."""
+        for r in range(self.repeats):
+            begin = self.first + r * self.length
+            for offset, entry in zip(self.offsets, self.entries, strict=True):
+                yield begin + offset, entry
 
 
 @dataclass(frozen=True)
@@ -91,12 +117,37 @@ class Schedule:
     def is_stored(self) -> bool:
         """Tell whether one hyperperiod is short enough to be kept in memory."""
         due = sum(self.hyperperiod // every for every in self.every)
-        length = max(self.first, default=0) + self.hyperperiod
-        return 0 < due <= STORED and length < self.stop
+        return 0 < due <= STORED and self._settled + self.hyperperiod < self.stop
+
+    @property
+    def _settled(self) -> int:
+        """Instant from which on everything repeats, also when each was due last."""
+        return max(self.first, default=0) + self.hyperperiod
 
     def instants(self) -> Iterator[tuple[int, int]]:
         """Yield every instant and the mask of the clocks due at it."""
-        return self.repeated() if self.is_stored() else self.merged(0, self.stop)
+        for stretch in self.stretches():
+            yield from stretch
+
+    def stretches(self) -> Iterator[Stretch[int]]:
+        """Yield the instants and masks of ``instants`` as stretches, in order."""
+        if not self.is_stored():
+            yield from self._lazy(0, self.stop)
+            return
+        begin, length = self._settled, self.hyperperiod
+        repeats = (self.stop - begin) // length
+        yield from self._lazy(0, begin - 1)
+        pattern = tuple(self.merged(begin, begin + length - 1))
+        offsets = tuple(k - begin for k, _ in pattern)
+        masks = tuple(mask for _, mask in pattern)
+        yield Stretch(begin, length, repeats, offsets, masks)
+        yield from self._lazy(begin + repeats * length, self.stop)
+
+    def _lazy(self, begin: int, end: int) -> Iterator[Stretch[int]]:
+        instants = self.merged(begin, end)
+        while some := tuple(islice(instants, LAZY)):
+            offsets, masks = tuple(k for k, _ in some), tuple(mask for _, mask in some)
+            yield Stretch(0, 0, 1, offsets, masks)
 
     def merged(self, begin: int, end: int) -> Iterator[tuple[int, int]]:
         """Yield the instants of [begin, end] from a heap of next due times."""
@@ -117,28 +168,6 @@ class Schedule:
             if k >= end:
                 return
             k = min(heap[0][0], end) if heap else end
-
-    def repeated(self) -> Iterator[tuple[int, int]]:
-        """Yield all instants from the stored pattern of one hyperperiod.
-
-        There must be a clock.
-        """
-        settled, length = max(self.first, default=0), self.hyperperiod
-        transient = self.merged(0, settled - 1) if settled else ()
-        pattern = [e for e in self.merged(settled, settled + length - 1) if e[1]]
-        periodic = (
-            (begin + k, mask)
-            for begin in range(0, self.stop - settled + 1, length)
-            for k, mask in pattern
-        )
-        last = -1
-        for k, mask in chain(transient, periodic):
-            if k > self.stop:
-                break
-            last = k
-            yield k, mask
-        if last < self.stop:
-            yield self.stop, 0
 
     def ticks(self, name: str) -> int:
         """Count how often a clock is due in [0, stop]."""

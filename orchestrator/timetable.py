@@ -15,13 +15,13 @@ Equal situations share one program; executors compile each only once.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Literal, NamedTuple
 
 from orchestrator.order import running_order
-from orchestrator.schedule import Clock, Schedule
+from orchestrator.schedule import Clock, Schedule, Stretch
 from orchestrator.wiring import Edge, Part, Wiring
 
 Code = Literal["advance", "read", "copy", "release", "write", "tick", "hold", "row"]
@@ -77,13 +77,18 @@ class Timetable:
 
     def instants(self) -> Iterator[tuple[int, Program]]:
         """Yield each instant k and its program, in order, 0 and the stop included."""
-        schedule = self.schedule
-        bit = {name: 1 << i for i, name in enumerate(schedule.names)}
+        for stretch in self.stretches():
+            yield from stretch
+
+    def stretches(self) -> Iterator[Stretch[Program]]:
+        """Yield the same, as stretches of instants of which long ones repeat."""
+        bit = {name: 1 << i for i, name in enumerate(self.schedule.names)}
         wakes = [bit[p.name] | self._splitters(p, bit) for p in self.continuous]
         last = [0] * len(self.continuous)
         programs: dict[tuple[int, ...], Program] = {}
-        for k, mask in schedule.instants():
-            ending = k == schedule.stop
+
+        def program(k: int, mask: int) -> Program:
+            first, ending = k == 0, k == self.schedule.stop
             backs = [
                 k - begun if (mask & wake or ending) and k > begun else 0
                 for wake, begun in zip(wakes, last, strict=True)
@@ -91,11 +96,17 @@ class Timetable:
             for i, back in enumerate(backs):
                 if back:
                     last[i] = k
-            first = k == 0
             key = (mask, first, ending, *backs)
             if key not in programs:
                 programs[key] = self._program(mask, bit, backs, first, ending)
-            yield k, programs[key]
+            return programs[key]
+
+        for masks in self.schedule.stretches():
+            once = tuple(program(k, mask) for k, mask in replace(masks, repeats=1))
+            first, length, repeats = masks.first, masks.length, masks.repeats
+            yield Stretch(first, length, repeats, masks.offsets, once)
+            later = (repeats - 1) * length
+            last[:] = [k + later for k in last]
 
     def _splitters(self, part: Part, bit: dict[str, int]) -> int:
         """Return the mask of sources at whose ticks a component's step is split."""

@@ -41,8 +41,6 @@ def test_stored_and_lazy_instants_are_those_of_the_definition(
     expected = counted(schedule)
     assert list(schedule.merged(0, schedule.stop)) == expected
     assert list(schedule.instants()) == expected
-    if clocks:
-        assert list(schedule.repeated()) == expected
 
 
 @given(st.lists(small, min_size=1, max_size=6))
