@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-all lint fmus clean
+.PHONY: demo test test-all lint fmus pictures clean
 
 demo: $(READY)
 	$(BIN)/feeddrive demo
@@ -31,3 +31,6 @@ $(READY): pyproject.toml
 
 clean:
 	rm -rf .venv dist runs
+
+pictures: $(READY)
+	$(BIN)/python docs/make_pictures.py

@@ -1,0 +1,51 @@
+"""Draw the pictures of README and docs from runs made now: make pictures."""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from orchestrator import Result, run
+
+HERE = Path(__file__).parent
+UM_PER_RAD = 1e6 * 0.020 / (2 * np.pi)
+STUDY = "ball_screw_pole_placement"
+
+
+def demo() -> None:
+    """Command, tracking errors and control signal of both controllers at 500 mm/s."""
+    runs = {
+        "P-PI cascade, set A": run(f"{STUDY}/p_pi_a_track_500", report=False),
+        "MC-PPC": run(f"{STUDY}/mc_ppc_track_500", report=False),
+        "MC-PPC with pre-filter": run(
+            f"{STUDY}/mc_ppc_track_500_prefilter", report=False
+        ),
+    }
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(9, 5), sharex=True, height_ratios=(2, 1), layout="constrained"
+    )
+    for label, done in runs.items():
+        above.plot(done["encoder.y_2"].time, tracking_error(done), label=label, lw=1)
+    control = runs["MC-PPC"]["controller.u"]
+    below.plot(control.time, control.values, color="C1", lw=1)
+    above.set_ylabel("tracking error in µm")
+    above.set_title(
+        "Ball-screw drive, 250 mm at 500 mm/s and 1 g, controllers at 20 kHz"
+    )
+    above.legend(frameon=False)
+    below.set_ylabel("control signal in V")
+    below.set_xlabel("time in s")
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(HERE / "pictures" / "demo.png", dpi=110)
+
+
+def tracking_error(done: Result) -> np.ndarray:
+    """Return x_r - y_2 in micrometres of table motion."""
+    error = done["trajectory.x_r"].values - done["encoder.y_2"].values
+    return UM_PER_RAD * error
+
+
+if __name__ == "__main__":
+    demo()
