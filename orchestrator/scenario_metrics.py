@@ -2,8 +2,8 @@
 
 A metric takes one recorded signal (``of``), over ``window = [from, to]`` (s;
 the whole record without), multiplied by ``scale`` and divided by ``per``
-(numbers, or ``component.parameter`` with its unit), in ``unit``.  Its figures
-are called ``<metric>.<figure>``.
+(a number, a number with unit ``"3 m/rad"``, or ``component.parameter`` with its
+unit), in ``unit``.  Its figures are called ``<metric>.<figure>``.
 """
 
 from fractions import Fraction
@@ -51,7 +51,7 @@ def _window(value: Any) -> tuple[Fraction, Fraction]:
 
 
 # kept as exact times: pydantic's own serialiser of fractions warns of its own text
-Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
+Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time), PlainSerializer(str)]
 Window: TypeAlias = Annotated[
     tuple[Fraction, Fraction], PlainValidator(_window), PlainSerializer(list)
 ]

@@ -104,3 +104,12 @@ def gains(
 def simplified_object(x: FloatArray, u_r: float, t_r: float) -> float:
     """Return K (mm/(A s)) of a run with an unbraked pulse; x (m) ends at rest."""
     return float(MM * (x[-1] - x[0]) / (u_r * t_r))
+
+
+def line(alpha: float, e_end: float) -> dict[str, FloatArray]:
+    """Return the table of a trajectory that is a line of slope alpha (1/s).
+
+    It is held constant beyond e_end (mm).  Source: Maeda 2007, fig. 7-1.
+    """
+    e = np.linspace(0.0, e_end, POINTS)
+    return {"e_nct": e, "edot_nct": alpha * e}
