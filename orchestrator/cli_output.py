@@ -3,15 +3,22 @@
 import functools
 import json
 import logging
+import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import cache
 from math import isfinite
 from time import perf_counter
-from typing import Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import typer
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
+TRACEBACK = "FEEDDRIVE_TRACEBACK"
 P = ParamSpec("P")
 Progress = Callable[[Fraction], None]
 
@@ -32,8 +39,17 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             fail(str(error), error.exit_code)
         except (BuildError, CompileError, UnitError) as error:
             fail(str(error), 2)
+        except OSError as error:
+            fail(f"{error.filename or 'a file'}: {error.strerror or error}", 1)
         except KeyboardInterrupt:
             fail("interrupted; what was recorded until then can be read", 130)
+        except (typer.Exit, typer.Abort):
+            raise
+        except Exception as error:
+            if os.environ.get(TRACEBACK):
+                raise
+            fault = f"{type(error).__name__}: {error}"
+            fail(f"a fault in feeddrive: {fault}; {TRACEBACK}=1 shows where", 1)
 
     return guarded
 
@@ -86,14 +102,19 @@ def print_table(
     console.print(table)
 
 
+@cache
+def error_console() -> "Console":
+    """Return the one console on stderr, so that logs and bars do not collide."""
+    from rich.console import Console
+
+    return Console(stderr=True, width=None if sys.stderr.isatty() else 200)
+
+
 def set_up_logs(verbose: bool) -> None:
     """Send warnings (with ``verbose`` also notes) of a run to stderr."""
-    from rich.console import Console
     from rich.logging import RichHandler
 
-    handler = RichHandler(
-        console=Console(stderr=True), show_path=False, show_time=False, markup=False
-    )
+    handler = RichHandler(console=error_console(), show_path=False, show_time=False)
     log = logging.getLogger("feeddrive")
     log.handlers[:] = [handler]
     log.setLevel(logging.INFO if verbose else logging.WARNING)
@@ -102,17 +123,17 @@ def set_up_logs(verbose: bool) -> None:
 
 @contextmanager
 def waiting(text: str) -> Iterator[None]:
-    """Show on stderr that something takes a while."""
-    from rich.console import Console
-
-    with Console(stderr=True).status(text):
+    """Show on a terminal's stderr that something takes a while."""
+    if not error_console().is_terminal:
+        yield
+        return
+    with error_console().status(text):
         yield
 
 
 @contextmanager
 def progress_bar(text: str, stop: Fraction) -> Iterator[Progress]:
-    """Show on stderr how far a run got and how its speed compares to real time."""
-    from rich.console import Console
+    """Show on a terminal's stderr how far a run got, and its speed to real time."""
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
 
@@ -122,7 +143,10 @@ def progress_bar(text: str, stop: Fraction) -> Iterator[Progress]:
         TextColumn("{task.completed:.3f} of {task.total:.3f} s"),
         TextColumn("{task.fields[factor]}"),
     )
-    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+    if not error_console().is_terminal:
+        yield lambda t: None
+        return
+    with Bar(*columns, console=error_console(), transient=True) as bar:
         task = bar.add_task(text, total=float(stop), factor="")
         begun = perf_counter()
 

@@ -59,7 +59,7 @@ def print_comparison(runs: "list[Run]", title: str) -> None:
             continue
         after = after.to(before.unit)
         lower = 100 * (1 - after.value / before.value) if before.value else 0.0
-        reduction = f"{lower:.1f} %" if abs(lower) < 1000 else ""
+        reduction = f"{lower:z.1f} %" if abs(lower) < 1000 else ""
         values = [f"{q.value:.4g}" for q in (before, after)]
         rows.append([name, *values, before.unit, reduction])
     head = ["figure", *(f">{name}" for name in names_of(runs)), "unit", ">reduction"]

@@ -14,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.compose import Composition
+from orchestrator.metrics import factor
 from orchestrator.quantity import time_text
+from orchestrator.scenario_metrics import Factor, MetricSpec
 from orchestrator.system import Component
 
 LOCK = "scenario.lock.toml"
@@ -38,7 +40,7 @@ def locked(composition: Composition) -> dict[str, Any]:
     """Return the tables of the lock file."""
     spec, system = composition.scenario.spec, composition.system
     expect = {k: e.model_dump(exclude_none=True) for k, e in spec.expect.items()}
-    metrics = {k: m.model_dump(exclude_none=True) for k, m in spec.metrics.items()}
+    metrics = {k: _metric(m, composition) for k, m in spec.metrics.items()}
     return {
         "title": spec.title,
         "description": spec.description,
@@ -96,6 +98,16 @@ def _component(component: Component) -> dict[str, Any]:
     if component.kind is not None:
         written["kind"] = component.kind
     return {key: value for key, value in written.items() if value != {}}
+
+
+def _metric(spec: MetricSpec, composition: Composition) -> dict[str, Any]:
+    """Return a metric's table, its factors as numbers with their units."""
+    table = spec.model_dump(exclude_none=True)
+    for key, field in type(spec).model_fields.items():
+        if field.annotation == Factor and isinstance(table.get(key), str):
+            found = factor(table[key], composition.parameter)
+            table[key] = f"{found.value!r} {found.unit}"
+    return table
 
 
 def _plain(value: Any) -> Any:

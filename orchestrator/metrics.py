@@ -19,7 +19,13 @@ from orchestrator.metrics_motion import (
     step_response,
     sustained,
 )
-from orchestrator.quantity import Quantity, converter, product_unit, quotient_unit
+from orchestrator.quantity import (
+    Quantity,
+    converter,
+    parse_quantity,
+    product_unit,
+    quotient_unit,
+)
 from orchestrator.result import Signal
 from orchestrator.scenario_metrics import (
     ContourMetric,
@@ -79,7 +85,7 @@ def scaled(
 
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
-    scale, per = (_factor(f, parameter) for f in (spec.scale, spec.per))
+    scale, per = (factor(f, parameter) for f in (spec.scale, spec.per))
     if per.value == 0:
         raise ScenarioError(f"per: {spec.per} is zero")
     unit = quotient_unit(product_unit(signal.unit, scale.unit), per.unit)
@@ -89,8 +95,16 @@ def scaled(
     return values, to_unit or unit
 
 
-def _factor(factor: Factor, parameter: Parameters) -> Quantity:
-    return parameter(factor) if isinstance(factor, str) else Quantity(factor)
+def factor(written: Factor, parameter: Parameters) -> Quantity:
+    """Return a factor given as number, number with unit or ``component.parameter``."""
+    if not isinstance(written, str):
+        return Quantity(written)
+    if written[:1].isalpha() or written.startswith("_"):
+        return parameter(written)
+    try:
+        return parse_quantity(written)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
 
 
 def _figures(
@@ -114,11 +128,11 @@ def _figures(
         return settling(time - start, y - spec.final, spec.band, unit)
     if isinstance(spec, StepMetric):
         start = float(spec.window[0]) if spec.window else 0.0
-        height = _in_unit(_factor(spec.height, parameter), unit)
+        height = _in_unit(factor(spec.height, parameter), unit)
         return step_response(time - start, y, height, spec.band, unit)
     if isinstance(spec, ContourMetric):
         across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
-        size = _in_unit(_factor(spec.size, parameter), unit)
+        size = _in_unit(factor(spec.size, parameter), unit)
         outside = contour_error(y, across[rows], spec.shape, size)
         kinds = ("peak", "rms", "max", "min")
         return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
@@ -131,7 +145,7 @@ def _figures(
     if isinstance(spec, OnsetMetric):
         ramp = _beside(of, taken["ramp"])
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
-    frequency = _factor(spec.frequency_hz, parameter)
+    frequency = factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)

@@ -117,6 +117,18 @@ class Quantity:
         return f"{self.value:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
 
 
+def parse_quantity(text: str) -> Quantity:
+    """Return a number with its unit, written ``"3.18e-3 m/rad"``.
+
+    Raises:
+        ValueError: the text does not begin with a number.
+    """
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*(\S*)\s*", text)
+    if match is None:
+        raise ValueError(f"{text!r} is not a number with a unit, as in '2.5 mm'")
+    return Quantity(float(match[1]), match[2] or "1")
+
+
 def converter(source: str, sink: str) -> Callable[[Any], Any]:
     """Return the function that converts numbers or arrays between two units.
 

@@ -71,7 +71,7 @@ def _change(first: Quantity | None, second: Quantity | None) -> str:
     if first is None or second is None or first.unit != second.unit or not first.value:
         return ""
     change = 100 * (second.value / first.value - 1)
-    return f"{change:+.1f} %" if abs(change) < 1e4 else ""
+    return f"{change:+z.1f} %" if abs(change) < 1e4 else ""
 
 
 def _checked(runs: "Sequence[Run]", name: str) -> str:

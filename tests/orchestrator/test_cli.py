@@ -49,7 +49,8 @@ def refused(result, *parts, code=2):
     assert result.exit_code == code, result.output
     assert "Traceback" not in result.output
     assert result.exception is None or isinstance(result.exception, SystemExit)
-    message = result.stderr.strip()
+    *_, message = result.stderr.strip().partition("error: ")  # logs may precede it
+    message = message or result.stderr
     assert "\n\n" not in message
     for part in parts:
         assert str(part) in message
@@ -248,10 +249,27 @@ def test_a_stop_a_fixed_step_fmu_cannot_meet_names_the_nearest(
 
 
 def test_a_failed_run_ends_with_code_1_and_leaves_its_rows(feeddrive, drive):
-    diverging = ("--set", "plant.c=-0.2", "--set", "stop=20", "--set", "source.t_0=0")
+    diverging = ("--set", "plant.m_12=1e-3", "--set", "stop=20")
     result = feeddrive("run", drive, *diverging, "-o", "out")
     refused(result, "plant", code=1)
     assert list(Path("out/result").glob("*.arrows"))
+
+
+def test_an_interrupted_run_ends_with_130(feeddrive, drive, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("orchestrator.simulate.simulate", interrupted)
+    refused(feeddrive("run", drive), "interrupted", code=130)
+
+
+def test_a_fault_of_ours_is_one_paragraph_too(feeddrive, drive, monkeypatch):
+    def faulty(*_, **__):
+        raise TypeError("an integer is required")
+
+    monkeypatch.setattr("orchestrator.simulate.simulate", faulty)
+    result = feeddrive("run", drive)
+    refused(result, "fault in feeddrive", "an integer", "FEEDDRIVE_TRACEBACK", code=1)
 
 
 def test_the_module_runs_as_the_command_and_imports_nothing_heavy():

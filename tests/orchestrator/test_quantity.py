@@ -11,6 +11,7 @@ from orchestrator.quantity import (
     DecimalFloat,
     Quantity,
     parse_period,
+    parse_quantity,
     parse_time,
     product_unit,
     quotient_unit,
@@ -78,3 +79,10 @@ def test_units_multiply_and_divide_as_models_write_them():
     )
     assert product_unit("1", "V") == "V"
     assert product_unit("1", "1") == quotient_unit("V", "V") == "1"
+
+
+def test_a_number_with_its_unit_is_read_from_text():
+    assert parse_quantity("2.5e-3 m/rad") == Quantity(2.5e-3, "m/rad")
+    assert parse_quantity("-4") == Quantity(-4.0)
+    with pytest.raises(ValueError, match="number with a unit"):
+        parse_quantity("m/rad")

@@ -50,6 +50,19 @@ u = { kind = "peak", of = "controller.u" }
 """  # noqa: E501 - inline tables of TOML are one line
 
 
+BARE = '''"""The drive without the parameters that a figure or a design may ask for."""
+from typing import NamedTuple
+from fmus.model import Continuous
+from plants import ball_screw
+from plants.ball_screw import Input, State
+class Parameters(NamedTuple):
+    """None."""
+def derivative(x, u, p):
+    return ball_screw.derivative(x, u, ball_screw.Parameters())
+def output(x, u, p):
+    return ball_screw.output(x, u, ball_screw.Parameters())
+model = Continuous("Bare", derivative, output, State(), Input(), Parameters())
+'''
 CONTINUOUS_STEP = 'step = "control"\n[components.controller]'
 
 
@@ -96,6 +109,17 @@ def test_the_lock_file_gives_the_same_run_again(drive, tmp_path):
     for name in first:
         assert np.array_equal(first[name].values, again[name].values)
     assert again.metrics == first.metrics
+
+
+def test_a_swapped_plant_runs_again_from_its_lock_file(drive, tmp_path):
+    (tmp_path / "bare.py").write_text(BARE)
+    swap = {"plant": {"fmu": "bare.py"}}
+    first = run(load_scenario(drive, (), swap), tmp_path / "first", report=False)
+    lock = tmp_path / "first/scenario.lock.toml"
+    again = run(lock, tmp_path / "again", report=False)
+    assert again.metrics == first.metrics
+    usual = run(drive, tmp_path / "usual", report=False)
+    assert first.metrics["tracking.peak"] == usual.metrics["tracking.peak"]
 
 
 def test_a_lock_file_refuses_an_fmu_that_changed(drive, tmp_path):
