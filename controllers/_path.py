@@ -7,8 +7,6 @@ jerk pulse a fifth of it, as in the study.
 
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
-
 from controllers import trajectory
 from fmus.model import Var
 
@@ -50,11 +48,6 @@ class Along(NamedTuple):
 def move(length: Any, p: Limits) -> trajectory.Parameters:
     """Return the move over a length (m), without rest before it."""
     return trajectory.Parameters(length, *p, t_0=0.0, back=False, dwell=0.0, r_g=1.0)
-
-
-def ticks_of(t: Any, T_s: Any) -> Any:
-    """Return the whole ticks that a time (s) takes, a millionth of one early."""
-    return np.ceil(t / T_s - 1e-6)
 
 
 def along(k: Any, length: Any, p: Limits, T_s: Any, d: trajectory.Derived) -> Along:

@@ -12,8 +12,9 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move, ticks_of
+from controllers._path import Input, Limits, Output, State, along, move
 from fmus.model import Sampled, Var
+from fmus.ticks import tick_of
 
 
 class Parameters(NamedTuple):
@@ -47,7 +48,7 @@ def step(
     x: State, u: Input, p: Parameters, T_s: float, d: trajectory.Derived
 ) -> tuple[State, Output]:
     """Return the command at t = k T_s."""
-    now = along(x.k - ticks_of(p.t_0, T_s), length(p), limits(p), T_s, d)
+    now = along(x.k - tick_of(p.t_0, T_s), length(p), limits(p), T_s, d)
     R = p.diameter / 2
     phi, omega = now.s / R, now.v / R
     c, s = np.cos(phi), np.sin(phi)

@@ -12,8 +12,9 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move, ticks_of
+from controllers._path import Input, Limits, Output, State, along, move
 from fmus.model import Sampled, Var
+from fmus.ticks import tick_of
 
 
 class Parameters(NamedTuple):
@@ -42,14 +43,14 @@ def prepare(p: Parameters, T_s: float) -> Derived:
     """Lay out the move along one side."""
     side = move(p.side, limits(p))
     duration = sum(T.hi for T in trajectory.stage_times(side))
-    return Derived(trajectory.prepare(side, T_s), ticks_of(duration + p.dwell, T_s))
+    return Derived(trajectory.prepare(side, T_s), tick_of(duration + p.dwell, T_s))
 
 
 def step(
     x: State, u: Input, p: Parameters, T_s: float, d: Derived
 ) -> tuple[State, Output]:
     """Return the command at t = k T_s."""
-    k = x.k - ticks_of(p.t_0, T_s)
+    k = x.k - tick_of(p.t_0, T_s)
     n = np.minimum(np.maximum(np.floor(k / d.ticks), 0.0), 3.0)
     now = along(k - n * d.ticks, p.side, limits(p), T_s, d.side)
     h = np.sqrt(0.5)

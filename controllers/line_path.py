@@ -11,8 +11,9 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move, ticks_of
+from controllers._path import Input, Limits, Output, State, along, move
 from fmus.model import Sampled, Var
+from fmus.ticks import tick_of
 
 
 class Parameters(NamedTuple):
@@ -48,7 +49,7 @@ def step(
 ) -> tuple[State, Output]:
     """Return the command at t = k T_s."""
     l = length(p)  # noqa: E741
-    now = along(x.k - ticks_of(p.t_0, T_s), l, limits(p), T_s, d)
+    now = along(x.k - tick_of(p.t_0, T_s), l, limits(p), T_s, d)
     c_x, c_y = p.stroke_x / l, p.stroke_y / l
     command = Output(
         p.x_0 + c_x * now.s,
