@@ -14,7 +14,7 @@ from uuid import UUID
 from lxml import etree
 
 from fmus.checks import check_model, check_traced
-from fmus.closure import module_name
+from fmus.closure import OWN_PACKAGES, is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -53,7 +53,7 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
         what = f"{model.name} cannot be traced"
         raise BuildError(blame(error, files, what)) from error
     check_traced(model, traced, places)
-    ours = name.partition(".")[0] in ("plants", "controllers")
+    ours = not is_file(module) and name.partition(".")[0] in OWN_PACKAGES
     return Subject(
         model,
         traced,

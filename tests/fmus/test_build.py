@@ -176,6 +176,31 @@ def test_an_archive_holds_what_a_reader_needs():
     assert {f"sources/{name}" for name in compiled[0]} <= files
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_sources_inside_compile_into_the_same_model(tmp_path, fmi):
+    fmu = build(str(MODELS / "spring_mass.py"), fmi=fmi)
+    fmpy.extract(str(fmu), str(tmp_path))
+    (binary,) = (tmp_path / "binaries").rglob("*.*")
+    shipped = fmpy.simulate_fmu(str(tmp_path), stop_time=0.01)
+    binary.unlink()
+    configuration = read_model_description(str(tmp_path)).buildConfigurations[0]
+    names = configuration.sourceFileSets[0].sourceFiles
+    flags = [
+        "-shared",
+        "-fPIC",
+        "-std=c99",
+        "-O2",
+        "-ffp-contract=off",
+        "-o",
+        str(binary),
+    ]
+    command = [sys.executable, "-m", "ziglang", "cc", *flags, *names, "-lm"]
+    subprocess.run(command, cwd=tmp_path / "sources", check=True)
+    compiled = fmpy.simulate_fmu(str(tmp_path), stop_time=0.01)
+    assert len(shipped) > 10
+    assert (shipped == compiled).all()
+
+
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [
