@@ -57,6 +57,14 @@ class Composition:
         actual, nominal = self._values
         return (actual if actual.has(name) else nominal).quantity(name)
 
+    def unit(self, name: str) -> str:
+        """Return the unit in which ``component.variable`` is recorded.
+
+        Raises:
+            ScenarioError: there is no such variable.
+        """
+        return self._values[0].unit(name)
+
 
 def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     """Return the system a scenario describes.

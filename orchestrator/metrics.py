@@ -85,14 +85,32 @@ def scaled(
 
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
+    total = _factors(spec, signal.unit, parameter)
+    values = signal.values * total.value
+    if to_unit is not None and to_unit != total.unit:
+        values = converter(total.unit, to_unit)(values)
+    return values, to_unit or total.unit
+
+
+def refuse_unit(spec: MetricSpec, unit: str, parameter: Parameters) -> None:
+    """Refuse a metric of a signal in ``unit`` whose own unit does not fit.
+
+    Raises:
+        ScenarioError, fmus.units.UnitError: a factor is missing or zero, or the
+            dimensions differ.
+    """
+    total = _factors(spec, unit, parameter)
+    if not (isinstance(spec, SineMetric) and spec.against):
+        total.to(spec.unit)
+
+
+def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
+    """Return scale / per, in the unit that a signal in ``unit`` takes by it."""
     scale, per = (factor(f, parameter) for f in (spec.scale, spec.per))
     if per.value == 0:
         raise ScenarioError(f"per: {spec.per} is zero")
-    unit = quotient_unit(product_unit(signal.unit, scale.unit), per.unit)
-    values = signal.values * (scale.value / per.value)
-    if to_unit is not None and to_unit != unit:
-        values = converter(unit, to_unit)(values)
-    return values, to_unit or unit
+    unit = quotient_unit(product_unit(unit, scale.unit), per.unit)
+    return Quantity(scale.value / per.value, unit)
 
 
 def factor(written: Factor, parameter: Parameters) -> Quantity:

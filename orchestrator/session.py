@@ -17,10 +17,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from fmus.units import UnitError
 from orchestrator.compose import Composition, compose
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.lock import LOCK, write_lock
-from orchestrator.metrics import Check, check, evaluate
+from orchestrator.metrics import Check, check, evaluate, refuse_unit
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario import Scenario, load_scenario
@@ -108,7 +109,7 @@ def execute(
     """
     from orchestrator.simulate import simulate
 
-    refuse_unrecorded(composition)
+    refuse_metrics(composition)
     clear(folder)
     write_lock(composition, folder)
     result = simulate(composition.system, folder, progress=progress)
@@ -124,20 +125,25 @@ def execute(
     return done
 
 
-def refuse_unrecorded(composition: Composition) -> None:
-    """Refuse, before the run, a metric of a signal that is not recorded.
+def refuse_metrics(composition: Composition) -> None:
+    """Refuse, before the run, metrics that cannot be taken after it.
 
     Raises:
-        ScenarioError: the message names the metric and the line to add.
+        ScenarioError: a signal is not recorded, a parameter is missing, or the
+            unit does not fit; the message names the metric.
     """
+    recorded = composition.system.record
     for name, metric in composition.scenario.spec.metrics.items():
         for key, signal in metric.signals().items():
-            recorded = composition.system.record
             if not any(r == signal or signal.startswith(f"{r}[") for r in recorded):
                 raise ScenarioError(
                     f"metrics.{name}.{key}: {signal} is not recorded; add "
                     f'"{signal}" = true to [record]'
                 )
+        try:
+            refuse_unit(metric, composition.unit(metric.of), composition.parameter)
+        except (ScenarioError, UnitError) as error:
+            raise ScenarioError(f"metrics.{name}: {error}") from None
 
 
 def clear(folder: Path) -> None:

@@ -45,8 +45,16 @@ class Values:
         value = self.value(name)
         if isinstance(value, tuple):
             raise ScenarioError(f"{name} is an array; name one number")
+        return Quantity(float(value), self.unit(name))
+
+    def unit(self, name: str) -> str:
+        """Return the unit of ``component.variable`` on our side, ``1`` without.
+
+        Raises:
+            ScenarioError: there is no such variable.
+        """
         _, found, _ = self._find(name)
-        return Quantity(float(value), found[0].unit or "1")
+        return found[0].unit or "1"
 
     def has(self, name: str) -> bool:
         """Tell whether there is such a variable."""

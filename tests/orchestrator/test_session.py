@@ -174,6 +174,8 @@ def test_stars_are_opened_and_constants_become_start_values(drive):
         ('sets = "controller"', 'sets = "plant"', DesignError, "K_x1"),
         ('m_1 = "plant.m_1"', 'm_1 = "plant.m_9"', ScenarioError, "m_9"),
         ('"controller.u" = "1 kHz"', "", ScenarioError, '"controller.u" = true'),
+        ('unit = "um"', 'unit = "V"', ScenarioError, "metrics.tracking"),
+        ('"plant.r_g"', '"plant.r_q"', ScenarioError, "'r_g'"),
         ("plants.ball_screw", "their.fmu", FmuError, "their.fmu"),
         ("plants.ball_screw", "model.py", ScenarioError, "model.py"),
         ("plants.ball_screw", "plants.ball_scrw", BuildError, "plants.ball_scrw"),
