@@ -140,6 +140,28 @@ def compile_library(
     return library
 
 
+def compile_alone(
+    name: str, sources: Mapping[str, str], platform: str, cache: Path
+) -> Path:
+    """Compile C sources that need no adapters into a shared library.
+
+    Returns ``<cache>/<digest>/<name><suffix>``, made now or found there.
+
+    Raises:
+        CompileError: unknown platform, or the compiler is missing or fails.
+    """
+    target = _target(platform)
+    file = name + target.suffix
+    library = cache / _digest(target, sources, name) / file
+    if not library.exists():
+        with _building(cache) as folder:
+            _write(folder, sources)
+            inputs = source_names(sources)
+            _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", file, *inputs], folder)
+            _publish([folder / file], library.parent)
+    return library
+
+
 def _adapters(target: Platform, cache: Path) -> list[Path]:
     """Return the object files of the adapters, compiled now or found."""
     sources = adapter_sources()

@@ -4,7 +4,7 @@ Each program is compiled once into a list of callables that take the instant k.
 Values move through one vector; every output read is checked to be finite.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
 from typing import Any
 
@@ -19,8 +19,14 @@ from orchestrator.wiring import Copy, Part
 Action = Callable[[int], None]
 
 
+YIELDED = 256  # instants between two yields
+
+
 class Executor:
-    """Runs programs on initialised instances; ``rows`` records a table's row."""
+    """Runs a timetable on initialised instances; ``rows`` records a table's row.
+
+    ``count`` says how many instants are done.
+    """
 
     def __init__(
         self,
@@ -29,6 +35,8 @@ class Executor:
         vector: NDArray[np.float64],
         rows: Mapping[str, Callable[[float], None]],
     ) -> None:
+        self.count = 0
+        self._timetable = timetable
         self._seconds = timetable.schedule.seconds
         self._parts = timetable.wiring.parts
         self._instances, self._rows = instances, rows
@@ -40,15 +48,19 @@ class Executor:
         }
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
-    def run(self, k: int, program: Program) -> None:
-        """Carry out the program of instant k.
+    def run(self) -> Iterator[int]:
+        """Carry out all instants; yield the one reached every now and then.
 
         Raises:
             SimulationError: an FMU failed or gave a value that is not finite.
         """
-        _, actions = self._compiled.get(id(program)) or self._compile(program)
-        for action in actions:
-            action(k)
+        for k, program in self._timetable.instants():
+            _, actions = self._compiled.get(id(program)) or self._compile(program)
+            for action in actions:
+                action(k)
+            self.count += 1
+            if self.count % YIELDED == 0:
+                yield k
 
     def _compile(self, program: Program) -> tuple[Program, list[Action]]:
         compiled = program, [self._action(op) for op in program]
@@ -88,8 +100,8 @@ class Executor:
 
         def read(k: int) -> None:
             pull()
-            if not isfinite(sum(view[first:last])):
-                _refuse(part, view[first:last].tolist(), seconds(k))
+            if not all(map(isfinite, view[first:last])):
+                raise refusal(part, view[first:last].tolist(), seconds(k))
 
         return read
 
@@ -118,11 +130,11 @@ class _Line:
 
 
 def _copy(copies: tuple[Copy, ...], view: Any) -> Action:
-    exact = [(c.source, c.sink) for c in copies if not _converts(c)]
+    exact = [(c.source, c.sink) for c in copies if not c.affine.converts]
     converting = [
         (c.source, c.sink, c.affine.gain, c.affine.offset)
         for c in copies
-        if _converts(c)
+        if c.affine.converts
     ]
 
     def copy(_k: int) -> None:
@@ -134,17 +146,13 @@ def _copy(copies: tuple[Copy, ...], view: Any) -> Action:
     return copy
 
 
-def _converts(copy: Copy) -> bool:
-    return (copy.affine.gain, copy.affine.offset) != (1.0, 0.0)
-
-
-def _refuse(part: Part, values: list[float], t: float) -> None:
-    """Raise for the first value that is not finite (their sum alone may overflow)."""
+def refusal(part: Part, values: list[float], t: float) -> SimulationError:
+    """Return the error for the first value that is not finite."""
     names = [f"{v.name}" for v in part.read for _ in range(v.size)]
-    for name, value in zip(names, values, strict=True):
-        if not isfinite(value):
-            raise SimulationError(
-                f"{part.name} ({part.fmu.path.name}): {name} is {value} at "
-                f"t = {t:.9g} s; look at its inputs just before (record them), or "
-                f"take smaller steps"
-            )
+    name, value = next(
+        (n, v) for n, v in zip(names, values, strict=True) if not isfinite(v)
+    )
+    return SimulationError(
+        f"{part.name} ({part.fmu.path.name}): {name} is {value} at t = {t:.9g} s; "
+        f"look at its inputs just before (record them), or take smaller steps"
+    )

@@ -125,13 +125,19 @@ class Group:
         elif self.kind == "Boolean":
             self.buffer[:] = [v != 0 for v in values]
         else:
-            low, high = self.bounds()
-            for value in values:
-                if not (isfinite(value) and low <= trunc(value) <= high):
-                    raise self.instance.fail(
-                        self._named("set"), f"was given {value}, which does not fit"
-                    )
+            if not all(map(self._fits, values)):
+                raise self.misfit(values)
             self.buffer[:] = [trunc(v) for v in values]
+
+    def _fits(self, value: float) -> bool:
+        low, high = self.bounds()
+        return isfinite(value) and low <= trunc(value) <= high
+
+    def misfit(self, values: Sequence[float]) -> SimulationError:
+        """Return the error for the first value that does not fit the integer type."""
+        value = next(v for v in values if not self._fits(v))
+        why = f"was given {value}, which does not fit"
+        return self.instance.fail(self._named("set"), why)
 
     def bounds(self) -> tuple[float, float]:
         """Return the least and the largest value of an integer type."""
@@ -142,6 +148,12 @@ class Group:
         return (
             (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
         )
+
+    @property
+    def place(self) -> int:
+        """Address of the group's values in the master's vector."""
+        assert self.vector is not None
+        return int(self.vector.ctypes.data) + 8 * self.first
 
     def failure(self, verb: str, status: int) -> SimulationError:
         """Return the error for a get or set that returned a status."""

@@ -131,6 +131,11 @@ class Affine:
     gain: float = 1.0
     offset: float = 0.0
 
+    @property
+    def converts(self) -> bool:
+        """Tell whether it is more than an exact copy."""
+        return (self.gain, self.offset) != (1.0, 0.0)
+
     def then(self, other: "Affine") -> "Affine":
         gain = other.gain * self.gain
         return Affine(gain, other.gain * self.offset + other.offset)

@@ -1,11 +1,12 @@
 """Rows on their way to disk: Arrow streams while running, Parquet at the end.
 
-One file per row period.  Rows are collected in chunks and flushed when a chunk
-is full or ``flush`` is called, so that what a killed run had flushed stays
-readable; ``close`` turns the streams into Parquet.
+One file per row period.  Rows are collected in chunks, column after column, by
+either executor, and flushed when a chunk is full or ``flush`` is called, so that
+what a killed run had flushed stays readable; ``close`` turns the streams into
+Parquet.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,12 @@ from orchestrator.errors import SimulationError
 from orchestrator.timetable import table_name
 from orchestrator.wiring import Column
 
-CHUNK = 4096
+CHUNK = 4096  # rows collected at most
+GROUP = 1 << 17  # rows of a Parquet row group, about
 
 
 class Recorder:
-    """All tables of one run; ``rows`` maps a table's name to its row function."""
+    """All tables of one run by their name."""
 
     def __init__(
         self,
@@ -32,29 +34,33 @@ class Recorder:
         folder.mkdir(parents=True, exist_ok=True)
         for old in (*folder.glob("*.arrows"), *folder.glob("*.parquet")):
             old.unlink()
-        self._tables = [
-            _Table(folder / f"{_stem(period)}.arrows", columns, vector)
+        self.tables = {
+            table_name(period): Table(
+                folder / f"{_stem(period)}.arrows", columns, vector
+            )
             for period, columns in tables.items()
-        ]
-        names = [table_name(period) for period in tables]
-        self.rows: dict[str, Callable[[float], None]] = {
-            name: table.row for name, table in zip(names, self._tables, strict=True)
         }
 
     def flush(self) -> None:
         """Write every row recorded so far."""
-        for table in self._tables:
+        for table in self.tables.values():
             table.flush()
 
     def close(self, *, complete: bool) -> None:
         """End the streams; of a complete run make Parquet tables of them."""
-        for table in self._tables:
+        for table in self.tables.values():
             table.close()
             if complete:
                 _to_parquet(table.path)
 
 
-class _Table:
+class Table:
+    """Rows of one period: ``time`` (s, CHUNK) and ``values`` (columns, CHUNK).
+
+    ``index`` says where in the vector each column comes from; ``count[0]`` rows
+    are waiting to be flushed.
+    """
+
     def __init__(
         self, path: Path, columns: tuple[Column, ...], vector: NDArray[np.float64]
     ) -> None:
@@ -68,34 +74,37 @@ class _Table:
         self._pa, self._schema = pa, pa.schema(fields)
         self._file = path.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)
-        self._index = np.array([c.index for c in columns], dtype=np.intp)
-        self._affine = [
-            (i, c.affine.gain, c.affine.offset)
+        self.index = np.array([c.index for c in columns], dtype=np.intp)
+        self._affine = {
+            i: (c.affine.gain, c.affine.offset)
             for i, c in enumerate(columns)
-            if (c.affine.gain, c.affine.offset) != (1.0, 0.0)
-        ]
+            if c.affine.converts
+        }
         self._vector = vector
-        self._time = np.empty(CHUNK)
-        self._values = np.empty((CHUNK, len(columns)))
-        self._count = 0
+        self.time = np.empty(CHUNK)
+        self.values = np.empty((len(columns), CHUNK))
+        self.count = np.zeros(1, dtype=np.int64)
 
     def row(self, t: float) -> None:
-        n = self._count
-        self._time[n] = t
-        self._vector.take(self._index, out=self._values[n])
-        self._count = n + 1
-        if self._count == CHUNK:
+        """Append the values now in the vector."""
+        n = int(self.count[0])
+        self.time[n] = t
+        self.values[:, n] = self._vector[self.index]
+        self.count[0] = n + 1
+        if n + 1 == CHUNK:
             self.flush()
 
     def flush(self) -> None:
-        if not self._count:
+        """Write the rows that are waiting.
+
+        Raises:
+            SimulationError: the disk is full or gone.
+        """
+        n = int(self.count[0])
+        if not n:
             return
-        values = self._values[: self._count].T.copy()
-        for i, gain, offset in self._affine:
-            values[i] = gain * values[i] + offset
-        arrays = [self._time[: self._count].copy(), *values]
-        columns = [self._pa.array(array) for array in arrays]
-        self._count = 0
+        columns = [self._pa.array(values) for values in self._converted(n)]
+        self.count[0] = 0
         try:
             batch = self._pa.record_batch(columns, schema=self._schema)
             self._stream.write_batch(batch)
@@ -106,7 +115,17 @@ class _Table:
                 f"record less; the rows before stay readable"
             ) from None
 
+    def _converted(self, n: int) -> Iterator[NDArray[np.float64]]:
+        yield self.time[:n]
+        for i, values in enumerate(self.values[:, :n]):
+            if i in self._affine:
+                gain, offset = self._affine[i]
+                yield gain * values + offset
+            else:
+                yield values
+
     def close(self) -> None:
+        """Flush and end the stream."""
         try:
             self.flush()
             self._stream.close()
@@ -119,7 +138,7 @@ def _stem(period: Fraction) -> str:
 
 
 def _to_parquet(path: Path) -> None:
-    """Turn an Arrow stream into a Parquet file, batch by batch, and remove it."""
+    """Turn an Arrow stream into a Parquet file, some batches at a time."""
     import pyarrow as pa
     import pyarrow.parquet
 
@@ -128,6 +147,13 @@ def _to_parquet(path: Path) -> None:
         pa.ipc.open_stream(path) as stream,
         pyarrow.parquet.ParquetWriter(target, stream.schema) as writer,
     ):
+        waiting, rows = [], 0
         for batch in stream:
-            writer.write_batch(batch)
+            waiting.append(batch)
+            rows += batch.num_rows
+            if rows >= GROUP:
+                writer.write_table(pa.Table.from_batches(waiting))
+                waiting, rows = [], 0
+        if waiting:
+            writer.write_table(pa.Table.from_batches(waiting))
     path.unlink()

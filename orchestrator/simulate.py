@@ -3,21 +3,26 @@
 1. read and check all FMUs, wire, order, schedule: nothing has run yet;
 2. unpack and load each FMU (those that need Python or another tool in a process
    of their own), initialise together;
-3. execute the timetable, recording;
+3. execute the timetable, recording: natively where all FMUs run in this process
+   and a compiler is there, else in Python, with the same bits;
 4. whatever happens: end the streams, terminate and free the instances, delete
    what was unpacked.  Rows recorded before a failure stay readable.
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 from time import perf_counter
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fmus.compile import CompileError
 from orchestrator.archive import unpacked
+from orchestrator.errors import SimulationError
 from orchestrator.executor import Executor
 from orchestrator.fmu import FmuDescription, read_fmu
 from orchestrator.initialise import initialise
@@ -30,17 +35,30 @@ from orchestrator.wiring import Wiring, wire
 
 LOG = logging.getLogger("feeddrive")
 BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
-CHECKED = 256  # instants between two looks at the clock
 
 Progress = Callable[[Fraction], None]
+Choice: TypeAlias = Literal["kernel", "python"]
+
+
+class Engine(Protocol):
+    """Carries out a timetable: yields instants reached, counts those done."""
+
+    count: int
+
+    def run(self) -> Iterator[int]: ...
 
 
 def simulate(
-    system: System, folder: Path, *, progress: Progress | None = None
+    system: System,
+    folder: Path,
+    *,
+    progress: Progress | None = None,
+    executor: Choice | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``progress`` is told the time reached (s), about four times a second.
+    ``executor`` is chosen when None.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
@@ -59,12 +77,43 @@ def simulate(
         recorder = Recorder(folder / "result", wiring.tables, vector)
         complete = False
         try:
-            executor = Executor(timetable, instances, vector, recorder.rows)
-            timing = _execute(timetable, executor, recorder, progress)
+            engine = _engine(executor, timetable, instances, vector, recorder)
+            timing = _execute(timetable, engine, recorder, progress)
             complete = True
         finally:
             recorder.close(complete=complete)
     return Result(folder, timing)
+
+
+def _engine(
+    executor: Choice | None,
+    timetable: Timetable,
+    instances: Mapping[str, Instance],
+    vector: NDArray[np.float64],
+    recorder: Recorder,
+) -> Engine:
+    """Return the executor asked for, else the fastest that works here.
+
+    Raises:
+        SimulationError: the kernel was asked for and cannot be used.
+    """
+    if executor != "python":
+        from orchestrator.kernel import Kernel
+
+        local = {n: i for n, i in instances.items() if isinstance(i, LocalInstance)}
+        if local.keys() == instances.keys():
+            try:
+                return Kernel(timetable, local, vector, recorder.tables)
+            except CompileError as error:
+                why, level = f"the kernel cannot be compiled: {error}", logging.WARNING
+        else:
+            others = ", ".join(instances.keys() - local.keys())
+            why, level = f"in processes of their own: {others}", logging.INFO
+        if executor == "kernel":
+            raise SimulationError(f"executor kernel: {why}; leave the choice open")
+        LOG.log(level, "%s; the Python executor is used, which is slower", why)
+    rows = {name: table.row for name, table in recorder.tables.items()}
+    return Executor(timetable, instances, vector, rows)
 
 
 def plan(system: System) -> Timetable:
@@ -97,21 +146,18 @@ def _log(name: str, message: LogMessage) -> None:
 
 def _execute(
     timetable: Timetable,
-    executor: Executor,
+    engine: Engine,
     recorder: Recorder,
     progress: Progress | None,
 ) -> Timing:
     begun = told = perf_counter()
-    tick, count = timetable.schedule.tick, 0
-    for k, program in timetable.instants():
-        executor.run(k, program)
-        count += 1
-        if count % CHECKED == 0 and (now := perf_counter()) - told > BETWEEN:
+    for k in engine.run():
+        if (now := perf_counter()) - told > BETWEEN:
             told = now
             recorder.flush()
             if progress:
-                progress(k * tick)
+                progress(k * timetable.schedule.tick)
+    stop = timetable.wiring.system.stop
     if progress:
-        progress(timetable.wiring.system.stop)
-    wall = perf_counter() - begun
-    return Timing(wall, count, float(timetable.wiring.system.stop))
+        progress(stop)
+    return Timing(perf_counter() - begun, engine.count, float(stop))

@@ -1,0 +1,328 @@
+/* Carries out a timetable on FMU instances at native speed.
+
+   Python makes every structure here, keeps them alive, and calls kernel_run for
+   a stretch of instants at a time; nothing is allocated, no state is kept apart
+   from the structures.  An operation means exactly what it means to
+   orchestrator/executor.py, in the same order of additions and products, so that
+   both give the same bits:
+
+       STEP     do_step from t - back ticks over h; the FMU's clock shows the start
+       READ     get all outputs into raw, refuse what is not finite
+       COPY     vector[sink] = gain * vector[source] + offset
+       RELEASE  publish the oldest row of the latency line, then COPY
+       WRITE    set all inputs
+       HOLD     put raw into the latency line, publish what is not delayed
+       ROW      append time and columns to a table
+
+   kernel_run returns how many instants it finished.  It stops early when a table
+   is full (after that instant) or when an operation fails; then kernel->failure
+   says how, and Python asks the instance for the message. */
+
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef _WIN32
+#include <windows.h>
+#define EXPORT __declspec(dllexport)
+#else
+#include <time.h>
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW };
+enum { NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT };
+enum { WARNING = 1 };
+enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
+
+typedef void Function(void); /* of an FMU, called by its true type */
+
+/* Variables of one type.  Doubles lie in the vector, and buffer points there. */
+typedef struct {
+    Function *get, *set;
+    const uint32_t *references;
+    size_t n_references, size;
+    double *values;
+    void *buffer;
+    double low, above; /* low <= truncated value < above */
+    int32_t type, major;
+} Group;
+
+typedef struct {
+    double *sink;
+    const double *source;
+    double gain, offset;
+} Copy;
+
+typedef struct {
+    void *instance;
+    Function *do_step;
+    double *clock; /* s; read by log callbacks */
+    const Group *inputs, *outputs;
+    size_t n_inputs, n_outputs;
+    const Copy *copies; /* the first n_exact have gain 1 and offset 0 */
+    size_t n_copies, n_exact;
+    double *raw, *published;
+    size_t n_read, n_delayed;
+    double *line; /* latency rows of n_delayed values, next at head */
+    size_t latency, head;
+    int64_t steps;
+    double spent; /* s, when profiled */
+    int32_t major;
+} Part;
+
+typedef struct {
+    double *time, *columns; /* column c of row r at columns[c * capacity + r] */
+    const double *const *sources;
+    size_t n_columns;
+    int64_t capacity, *count;
+} Table;
+
+typedef struct {
+    int32_t code, target; /* a part, or a table */
+    int64_t back;
+    double h;
+} Op;
+
+typedef struct {
+    const Op *ops;
+    size_t n;
+} Program;
+
+typedef struct {
+    Part *parts;
+    const Table *tables;
+    const Program *programs;
+    int64_t tick_num, tick_den; /* s */
+    int32_t profiled;
+    /* what happened */
+    int32_t full, failure, status;
+    int64_t instant;
+    int32_t part, group;
+    double h;
+    double master; /* s, when profiled: all but the FMUs */
+} Kernel;
+
+typedef struct {
+    int64_t first, length;
+    const int64_t *offsets;
+    const int32_t *programs;
+    size_t n;
+} Stretch;
+
+static double seconds(const Kernel *kernel, int64_t k) {
+    return (double)(k * kernel->tick_num) / (double)kernel->tick_den;
+}
+
+static int call(const Group *g, Function *function, void *instance) {
+    if (g->major == 2)
+        return ((int (*)(void *, const uint32_t *, size_t, void *))function)(
+            instance, g->references, g->n_references, g->buffer);
+    return ((int (*)(void *, const uint32_t *, size_t, void *, size_t))function)(
+        instance, g->references, g->n_references, g->buffer, g->size);
+}
+
+#define EACH(T, expression)                                                    \
+    {                                                                          \
+        T *b = g->buffer;                                                      \
+        for (size_t i = 0; i < g->size; i++)                                   \
+            expression;                                                        \
+    }                                                                          \
+    break
+
+static void from_buffer(const Group *g) {
+    double *v = g->values;
+    switch (g->type) {
+    case F32: EACH(float, v[i] = b[i]);
+    case I8: EACH(int8_t, v[i] = b[i]);
+    case U8: EACH(uint8_t, v[i] = b[i]);
+    case I16: EACH(int16_t, v[i] = b[i]);
+    case U16: EACH(uint16_t, v[i] = b[i]);
+    case I32: EACH(int32_t, v[i] = b[i]);
+    case U32: EACH(uint32_t, v[i] = b[i]);
+    case I64: EACH(int64_t, v[i] = (double)b[i]);
+    case U64: EACH(uint64_t, v[i] = (double)b[i]);
+    case BOOL32: EACH(int32_t, v[i] = b[i]);
+    case BOOL8: EACH(_Bool, v[i] = b[i]);
+    default: break;
+    }
+}
+
+/* Returns 0 if a value does not fit into the type. */
+static int to_buffer(const Group *g) {
+    const double *v = g->values;
+    if (g->type >= I8 && g->type <= U64)
+        for (size_t i = 0; i < g->size; i++)
+            if (!(trunc(v[i]) >= g->low && trunc(v[i]) < g->above))
+                return 0;
+    switch (g->type) {
+    case F32: EACH(float, b[i] = (float)v[i]);
+    case I8: EACH(int8_t, b[i] = (int8_t)v[i]);
+    case U8: EACH(uint8_t, b[i] = (uint8_t)v[i]);
+    case I16: EACH(int16_t, b[i] = (int16_t)v[i]);
+    case U16: EACH(uint16_t, b[i] = (uint16_t)v[i]);
+    case I32: EACH(int32_t, b[i] = (int32_t)v[i]);
+    case U32: EACH(uint32_t, b[i] = (uint32_t)v[i]);
+    case I64: EACH(int64_t, b[i] = (int64_t)v[i]);
+    case U64: EACH(uint64_t, b[i] = (uint64_t)v[i]);
+    case BOOL32: EACH(int32_t, b[i] = v[i] != 0);
+    case BOOL8: EACH(_Bool, b[i] = v[i] != 0);
+    default: break;
+    }
+    return 1;
+}
+
+static int fail(Kernel *kernel, int failure, int64_t k, const Op *op, size_t group,
+                int status) {
+    kernel->failure = failure;
+    kernel->instant = k;
+    kernel->part = op->target;
+    kernel->group = (int32_t)group;
+    kernel->status = status;
+    kernel->h = op->h;
+    return 0;
+}
+
+static int step(Kernel *kernel, Part *p, const Op *op, int64_t k) {
+    double t = seconds(kernel, k - op->back), reached;
+    _Bool event, ended = 0, early = 0;
+    int status;
+    *p->clock = t;
+    p->steps++;
+    if (p->major == 2)
+        status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t,
+                                                                    op->h, 1);
+    else
+        status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
+                           double *))p->do_step)(p->instance, t, op->h, 1, &event,
+                                                 &ended, &early, &reached);
+    if (status > WARNING || ended || early)
+        return fail(kernel, STEP_FAILED, k, op, 0, status);
+    return 1;
+}
+
+static int get_outputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+    for (size_t i = 0; i < p->n_outputs; i++) {
+        const Group *g = p->outputs + i;
+        int status = call(g, g->get, p->instance);
+        if (status > WARNING)
+            return fail(kernel, GET_FAILED, k, op, i, status);
+        if (g->type != F64)
+            from_buffer(g);
+    }
+    for (size_t i = 0; i < p->n_read; i++)
+        if (!isfinite(p->raw[i]))
+            return fail(kernel, NOT_FINITE, k, op, 0, 0);
+    return 1;
+}
+
+static int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+    for (size_t i = 0; i < p->n_inputs; i++) {
+        const Group *g = p->inputs + i;
+        if (g->type != F64 && !to_buffer(g))
+            return fail(kernel, DOES_NOT_FIT, k, op, i, 0);
+        int status = call(g, g->set, p->instance);
+        if (status > WARNING)
+            return fail(kernel, SET_FAILED, k, op, i, status);
+    }
+    return 1;
+}
+
+static void copy(const Part *p) {
+    const Copy *c = p->copies, *exact = c + p->n_exact, *end = c + p->n_copies;
+    for (; c < exact; c++)
+        *c->sink = *c->source;
+    for (; c < end; c++)
+        *c->sink = c->gain * *c->source + c->offset;
+}
+
+static void hold(Part *p) {
+    double *row = p->line + p->head * p->n_delayed;
+    memcpy(row, p->raw, p->n_delayed * sizeof(double));
+    p->head = p->head + 1 == p->latency ? 0 : p->head + 1;
+    memcpy(p->published + p->n_delayed, p->raw + p->n_delayed,
+           (p->n_read - p->n_delayed) * sizeof(double));
+}
+
+static void release(const Part *p) {
+    const double *row = p->line + p->head * p->n_delayed;
+    memcpy(p->published, row, p->n_delayed * sizeof(double));
+    copy(p);
+}
+
+static void record(Kernel *kernel, const Table *table, int64_t k) {
+    int64_t row = (*table->count)++;
+    double *place = table->columns + row;
+    table->time[row] = seconds(kernel, k);
+    for (size_t c = 0; c < table->n_columns; c++, place += table->capacity)
+        *place = *table->sources[c];
+    if (*table->count == table->capacity)
+        kernel->full = 1;
+}
+
+/* Returns 0 if the operation fails. */
+static int carry_out(Kernel *kernel, const Op *op, int64_t k) {
+    Part *p = kernel->parts + op->target;
+    switch (op->code) {
+    case STEP: return step(kernel, p, op, k);
+    case READ: return get_outputs(kernel, p, op, k);
+    case COPY: copy(p); return 1;
+    case RELEASE: release(p); return 1;
+    case WRITE: return set_inputs(kernel, p, op, k);
+    case HOLD: hold(p); return 1;
+    default: record(kernel, kernel->tables + op->target, k); return 1;
+    }
+}
+
+/* Seconds of a clock that only counts up. */
+EXPORT double kernel_now(void) {
+#ifdef _WIN32
+    LARGE_INTEGER count, rate;
+    QueryPerformanceCounter(&count);
+    QueryPerformanceFrequency(&rate);
+    return (double)count.QuadPart / (double)rate.QuadPart;
+#else
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+#endif
+}
+
+/* As carry_out, adding the time it takes to the part's or the master's. */
+static int carry_out_timed(Kernel *kernel, const Op *op, int64_t k, double *last) {
+    int done = carry_out(kernel, op, k);
+    double now = kernel_now();
+    int in_fmu = op->code == STEP || op->code == READ || op->code == WRITE;
+    *(in_fmu ? &kernel->parts[op->target].spent : &kernel->master) += now - *last;
+    *last = now;
+    return done;
+}
+
+/* Carry out instants from..from + count - 1 of the stretch, counted over all of
+   its repetitions; returns how many were finished. */
+EXPORT int64_t kernel_run(Kernel *kernel, const Stretch *stretch, int64_t from,
+                          int64_t count) {
+    size_t i = (size_t)from % stretch->n;
+    int64_t begin = stretch->first + from / (int64_t)stretch->n * stretch->length;
+    double last = kernel->profiled ? kernel_now() : 0;
+    kernel->full = kernel->failure = 0;
+    for (int64_t done = 0; done < count; done++) {
+        const Program *program = kernel->programs + stretch->programs[i];
+        const Op *op = program->ops, *end = op + program->n;
+        int64_t k = begin + stretch->offsets[i];
+        for (; op < end; op++)
+            if (!(kernel->profiled ? carry_out_timed(kernel, op, k, &last)
+                                   : carry_out(kernel, op, k)))
+                return done;
+        if (kernel->full)
+            return done + 1;
+        if (++i == stretch->n) {
+            i = 0;
+            begin += stretch->length;
+        }
+    }
+    return count;
+}

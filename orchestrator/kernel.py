@@ -1,0 +1,233 @@
+"""The native executor of a timetable, bit-equal to ``executor.Executor``.
+
+Everything kernel.c works on is made here, once: parts, groups, copies, tables,
+and each program the first time it is met.  The kernel is called for chunks of
+instants that take about ``CHUNK_S``, so that between two of them Python can
+report, write rows, and be interrupted.  Only instances of this process can
+be run.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from ctypes import addressof, c_void_p, cast
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator import kernel_library as c
+from orchestrator.errors import SimulationError
+from orchestrator.executor import refusal
+from orchestrator.group import Group
+from orchestrator.instance import LocalInstance
+from orchestrator.recorder import CHUNK, Table
+from orchestrator.schedule import Stretch
+from orchestrator.timetable import Op, Program, Timetable
+from orchestrator.wiring import Part
+
+CHUNK_S = 0.05
+FIRST = 64  # instants in the first chunk
+
+Vector = NDArray[np.float64]
+_CODES = {name: i for i, name in enumerate(c.CODES)}
+_CODES |= {"advance": _CODES["step"], "tick": _CODES["step"]}
+
+
+class Kernel:
+    """Runs a timetable on initialised instances; ``count`` instants are done."""
+
+    def __init__(
+        self,
+        timetable: Timetable,
+        instances: Mapping[str, LocalInstance],
+        vector: Vector,
+        tables: Mapping[str, Table],
+        *,
+        profiled: bool = False,
+    ) -> None:
+        self._library = c.library()
+        self.count = 0
+        self._timetable, self._vector, self._tables = timetable, vector, tables
+        self._instances = instances
+        self._kept: list[Any] = []
+        parts = timetable.wiring.parts
+        self._parts = self._array(
+            c.Part, [self._part(p, instances[name]) for name, p in parts.items()]
+        )
+        self._rows = self._array(c.Table, [self._table(t) for t in tables.values()])
+        self._target = {name: i for i, name in enumerate(parts)}
+        self._target_row = {name: i for i, name in enumerate(tables)}
+        self._programs: list[c.Program] = []
+        self._known: dict[int, tuple[int, Program]] = {}
+        tick = timetable.schedule.tick
+        self._kernel = c.Kernel(
+            parts=addressof(self._parts),
+            tables=addressof(self._rows),
+            tick_num=tick.numerator,
+            tick_den=tick.denominator,
+            profiled=profiled,
+        )
+
+    def run(self) -> Iterator[int]:
+        """Carry out all instants; yield the one reached after every chunk.
+
+        Raises:
+            SimulationError: an FMU failed or gave a value that is not finite.
+        """
+        chunk = FIRST
+        for stretch in self._timetable.stretches():
+            compiled, length = self._stretch(stretch), len(stretch.offsets)
+            done, total = 0, length * stretch.repeats
+            while done < total:
+                begun = perf_counter()
+                n = self._library.kernel_run(
+                    self._kernel, compiled, done, min(chunk, total - done)
+                )
+                took = perf_counter() - begun
+                done, self.count = done + n, self.count + n
+                if self._kernel.failure:
+                    raise self._error()
+                self._flush_full()
+                if n == chunk or took > CHUNK_S:
+                    chunk = max(1, min(2 * chunk, int(n * CHUNK_S / took)))
+                r, i = divmod(done - 1, length)
+                yield stretch.first + r * stretch.length + stretch.offsets[i]
+
+    def _flush_full(self) -> None:
+        if self._kernel.full:
+            for table in self._tables.values():
+                if table.count[0] == CHUNK:
+                    table.flush()
+
+    def _error(self) -> SimulationError:
+        """Return what the Python executor would raise for the same failure."""
+        kernel = self._kernel
+        status, group = int(kernel.status), int(kernel.group)
+        name = list(self._target)[kernel.part]
+        part, instance = self._timetable.wiring.parts[name], self._instances[name]
+        how = c.FAILURES[int(kernel.failure)]
+        if how == "step":
+            return instance.failed_step(float(kernel.h), status)
+        if how == "get":
+            return instance.outputs[group].failure("get", status)
+        if how == "set":
+            return instance.inputs[group].failure("set", status)
+        if how == "does not fit":
+            sink = instance.inputs[group]
+            values = self._vector[sink.first : sink.first + sink.size]
+            return sink.misfit(values.tolist())
+        t = self._timetable.schedule.seconds(kernel.instant)
+        raw = self._vector[part.raw : part.raw + part.read_size]
+        return refusal(part, raw.tolist(), t)
+
+    def _at(self, place: int) -> int:
+        return int(self._vector.ctypes.data) + 8 * place
+
+    def _array(self, kind: Any, elements: Sequence[Any]) -> Any:
+        """Return a C array that lives as long as this object, never empty."""
+        array = (kind * max(1, len(elements)))(*elements)
+        self._kept.append(array)
+        return array
+
+    def _part(self, part: Part, instance: LocalInstance) -> c.Part:
+        inputs = [_group(g) for g in instance.inputs]
+        outputs = [_group(g) for g in instance.outputs]
+        copies = sorted(part.copies, key=lambda copy: copy.affine.converts)
+        line = np.tile(
+            self._vector[part.raw : part.raw + part.delayed], part.component.latency
+        )
+        self._kept.append(line)
+        return c.Part(
+            instance=instance.slave.value,
+            do_step=_address(instance.do_step),
+            clock=addressof(instance.clock),
+            inputs=addressof(self._array(c.Group, inputs)),
+            n_inputs=len(inputs),
+            outputs=addressof(self._array(c.Group, outputs)),
+            n_outputs=len(outputs),
+            copies=addressof(
+                self._array(
+                    c.Copy,
+                    [
+                        c.Copy(
+                            self._at(copy.sink),
+                            self._at(copy.source),
+                            copy.affine.gain,
+                            copy.affine.offset,
+                        )
+                        for copy in copies
+                    ],
+                )
+            ),
+            n_copies=len(copies),
+            n_exact=sum(not copy.affine.converts for copy in copies),
+            raw=self._at(part.raw),
+            published=self._at(part.published),
+            n_read=part.read_size,
+            n_delayed=part.delayed,
+            line=line.ctypes.data,
+            latency=part.component.latency,
+            major=instance.description.fmi_major,
+        )
+
+    def _table(self, table: Table) -> c.Table:
+        sources = self._array(c_void_p, [self._at(int(i)) for i in table.index])
+        return c.Table(
+            time=table.time.ctypes.data,
+            columns=table.values.ctypes.data,
+            sources=addressof(sources),
+            n_columns=len(table.index),
+            capacity=CHUNK,
+            count=table.count.ctypes.data,
+        )
+
+    def _stretch(self, stretch: Stretch[Program]) -> c.Stretch:
+        offsets = np.array(stretch.offsets, dtype=np.int64)
+        known = len(self._programs)
+        programs = np.array([self._program(p) for p in stretch.entries], dtype=np.int32)
+        if len(self._programs) > known:
+            self._all = (c.Program * len(self._programs))(*self._programs)
+            self._kernel.programs = addressof(self._all)
+        self._now = offsets, programs
+        return c.Stretch(
+            first=stretch.first,
+            length=stretch.length,
+            offsets=offsets.ctypes.data,
+            programs=programs.ctypes.data,
+            n=len(offsets),
+        )
+
+    def _program(self, program: Program) -> int:
+        """Return the number of a program, compiled when it is new."""
+        if id(program) not in self._known:
+            ops = self._array(c.Op, [self._op(op) for op in program])
+            self._known[id(program)] = len(self._programs), program
+            self._programs.append(c.Program(addressof(ops), len(program)))
+        return self._known[id(program)][0]
+
+    def _op(self, op: Op) -> c.Op:
+        targets = self._target_row if op.code == "row" else self._target
+        return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)
+
+
+def _group(group: Group) -> c.Group:
+    major = group.instance.description.fmi_major
+    boolean = group.kind == "Boolean"
+    low, high = group.bounds()
+    return c.Group(
+        get=_address(group.getter),
+        set=_address(group.setter),
+        references=addressof(group.references),
+        n_references=len(group.references),
+        size=group.size,
+        values=group.place,
+        buffer=addressof(group.buffer),
+        low=low,
+        above=high + 1,
+        type=c.BOOLEANS[major] if boolean else c.TYPES.index(group.element),
+        major=major,
+    )
+
+
+def _address(function: Any) -> int | None:
+    return cast(function, c_void_p).value

@@ -1,0 +1,174 @@
+"""The compiled kernel and its structures, as kernel.c declares them.
+
+Compiled once per digest of its source with the compiler and the flags of the
+FMUs, and kept in their cache.
+"""
+
+import ctypes
+from ctypes import c_double, c_int32, c_int64, c_size_t, c_uint32, c_void_p
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar
+
+from fmus.build import cache_folder
+from fmus.compile import compile_alone, host_platform
+
+SOURCE = Path(__file__).with_name("kernel.c")
+CODES = ("step", "read", "copy", "release", "write", "hold", "row")
+FAILURES = ("", "step", "get", "set", "not finite", "does not fit")
+TYPES: tuple[Any, ...] = (
+    c_double,
+    ctypes.c_float,
+    ctypes.c_int8,
+    ctypes.c_uint8,
+    ctypes.c_int16,
+    ctypes.c_uint16,
+    c_int32,
+    c_uint32,
+    c_int64,
+    ctypes.c_uint64,
+)
+BOOLEANS = {2: len(TYPES), 3: len(TYPES) + 1}  # by FMI version
+
+
+class Group(ctypes.Structure):
+    """Variables of one type."""
+
+    _fields_: ClassVar[Any] = [
+        ("get", c_void_p),
+        ("set", c_void_p),
+        ("references", c_void_p),
+        ("n_references", c_size_t),
+        ("size", c_size_t),
+        ("values", c_void_p),
+        ("buffer", c_void_p),
+        ("low", c_double),
+        ("above", c_double),
+        ("type", c_int32),
+        ("major", c_int32),
+    ]
+
+
+class Copy(ctypes.Structure):
+    """One number carried from an output to an input."""
+
+    _fields_: ClassVar[Any] = [
+        ("sink", c_void_p),
+        ("source", c_void_p),
+        ("gain", c_double),
+        ("offset", c_double),
+    ]
+
+
+class Part(ctypes.Structure):
+    """One FMU instance and its places in the vector."""
+
+    _fields_: ClassVar[Any] = [
+        ("instance", c_void_p),
+        ("do_step", c_void_p),
+        ("clock", c_void_p),
+        ("inputs", c_void_p),
+        ("outputs", c_void_p),
+        ("n_inputs", c_size_t),
+        ("n_outputs", c_size_t),
+        ("copies", c_void_p),
+        ("n_copies", c_size_t),
+        ("n_exact", c_size_t),
+        ("raw", c_void_p),
+        ("published", c_void_p),
+        ("n_read", c_size_t),
+        ("n_delayed", c_size_t),
+        ("line", c_void_p),
+        ("latency", c_size_t),
+        ("head", c_size_t),
+        ("steps", c_int64),
+        ("spent", c_double),
+        ("major", c_int32),
+    ]
+
+
+class Table(ctypes.Structure):
+    """Rows of one period."""
+
+    _fields_: ClassVar[Any] = [
+        ("time", c_void_p),
+        ("columns", c_void_p),
+        ("sources", c_void_p),
+        ("n_columns", c_size_t),
+        ("capacity", c_int64),
+        ("count", c_void_p),
+    ]
+
+
+class Op(ctypes.Structure):
+    """One operation."""
+
+    _fields_: ClassVar[Any] = [
+        ("code", c_int32),
+        ("target", c_int32),
+        ("back", c_int64),
+        ("h", c_double),
+    ]
+
+
+class Program(ctypes.Structure):
+    """The operations of one instant."""
+
+    _fields_: ClassVar[Any] = [("ops", c_void_p), ("n", c_size_t)]
+
+
+class Kernel(ctypes.Structure):
+    """All of it, and how the latest call ended."""
+
+    _fields_: ClassVar[Any] = [
+        ("parts", c_void_p),
+        ("tables", c_void_p),
+        ("programs", c_void_p),
+        ("tick_num", c_int64),
+        ("tick_den", c_int64),
+        ("profiled", c_int32),
+        ("full", c_int32),
+        ("failure", c_int32),
+        ("status", c_int32),
+        ("instant", c_int64),
+        ("part", c_int32),
+        ("group", c_int32),
+        ("h", c_double),
+        ("master", c_double),
+    ]
+
+
+class Stretch(ctypes.Structure):
+    """Instants that repeat."""
+
+    _fields_: ClassVar[Any] = [
+        ("first", c_int64),
+        ("length", c_int64),
+        ("offsets", c_void_p),
+        ("programs", c_void_p),
+        ("n", c_size_t),
+    ]
+
+
+@cache
+def library() -> Any:
+    """Return the kernel, loaded; compiled first if it was not yet.
+
+    Raises:
+        CompileError: there is no compiler, or none for this platform.
+    """
+    sources = {SOURCE.name: SOURCE.read_text(encoding="utf-8")}
+    file = compile_alone(
+        "kernel", sources, host_platform(), cache_folder() / "libraries"
+    )
+    loaded = ctypes.CDLL(str(file))
+    loaded.kernel_run.restype = c_int64
+    loaded.kernel_run.argtypes = [
+        ctypes.POINTER(Kernel),
+        ctypes.POINTER(Stretch),
+        c_int64,
+        c_int64,
+    ]
+    loaded.kernel_now.restype = c_double
+    loaded.kernel_now.argtypes = []
+    return loaded
