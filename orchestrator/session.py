@@ -20,8 +20,9 @@ from typing import Any
 from fmus.units import UnitError
 from orchestrator.compose import Composition, compose
 from orchestrator.errors import FeedDriveError, ScenarioError
+from orchestrator.expectation import Check, check
 from orchestrator.lock import LOCK, write_lock
-from orchestrator.metrics import Check, check, evaluate, refuse_unit
+from orchestrator.metrics import evaluate, refuse_unit
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario import Scenario, load_scenario

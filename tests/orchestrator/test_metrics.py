@@ -5,7 +5,8 @@ import pytest
 from pydantic import TypeAdapter
 
 from orchestrator.errors import ScenarioError
-from orchestrator.metrics import check, evaluate
+from orchestrator.expectation import check
+from orchestrator.metrics import evaluate
 from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
 from orchestrator.scenario_metrics import Expectation, MetricSpec
