@@ -39,6 +39,9 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             fail(str(error), error.exit_code)
         except (BuildError, CompileError, UnitError) as error:
             fail(str(error), 2)
+        except BrokenPipeError:  # the reader, say `head`, has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(0) from None
         except OSError as error:
             fail(f"{error.filename or 'a file'}: {error.strerror or error}", 1)
         except KeyboardInterrupt:

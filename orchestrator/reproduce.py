@@ -65,14 +65,14 @@ def reproduce(
     study: str | Path,
     only: str = "*",
     *,
-    processes: int = 2,
+    processes: int | None = None,
     runs: Path = Path("runs"),
     told: Told = lambda text: None,
 ) -> list[Figure]:
     """Return the figures of a study whose id fits the pattern ``only``.
 
     ``study`` is a study's name or folder.  Runs are kept under ``runs``; ``told``
-    hears of each run that ends.
+    hears of each run that ends.  More than four runs share two ``processes``.
 
     Raises:
         FeedDriveError: no such study or figure, or a run that fails.
@@ -87,7 +87,8 @@ def reproduce(
     jobs = dict.fromkeys(
         _job(spec, folder) for spec in needed if spec.scenario is not None
     )
-    measured = run_all(list(jobs), runs, processes, told)
+    at_once = processes or (2 if len(jobs) > 4 else 1)
+    measured = run_all(list(jobs), runs, at_once, told)
     called: dict[str, Any] = {}
     values: dict[str, float | None] = {}
     for spec in needed:  # ingredients come before what is made of them
@@ -199,7 +200,12 @@ def _called(spec: FigureSpec, called: dict[str, Any]) -> float:
     assert spec.call is not None
     identity = f"{spec.call} {sorted(spec.arguments.items())}"
     if identity not in called:
-        called[identity] = find_function(spec.call)(**spec.arguments)
+        function = find_function(spec.call)
+        try:
+            called[identity] = function(**spec.arguments)
+        except Exception as error:
+            fault = f"{type(error).__name__}: {error}"
+            raise ScenarioError(f"{spec.call} failed: {fault}") from error
     found = called[identity]
     if spec.key is None:
         return float(found)

@@ -111,7 +111,7 @@ def execute(
     from orchestrator.simulate import simulate
 
     refuse_metrics(composition)
-    clear(folder)
+    clear(folder, composition)
     write_lock(composition, folder)
     result = simulate(composition.system, folder, progress=progress)
     spec = composition.scenario.spec
@@ -147,12 +147,21 @@ def refuse_metrics(composition: Composition) -> None:
             raise ScenarioError(f"metrics.{name}: {error}") from None
 
 
-def clear(folder: Path) -> None:
+def clear(folder: Path, composition: Composition) -> None:
     """Make a run folder, or empty one that holds an earlier run.
 
     Raises:
-        ScenarioError: the folder holds other things.
+        ScenarioError: the folder holds other things, or what is to be run.
     """
+    inputs = [c.fmu for c in composition.system.components.values()]
+    inputs.append(composition.scenario.file)
+    place = folder.resolve()
+    within = any(path.resolve().is_relative_to(place) for path in inputs)
+    if within and (folder / LOCK).is_file():
+        raise ScenarioError(
+            f"{folder}: holds the run that is to be run again; give another folder "
+            f"with -o"
+        )
     if folder.is_dir() and any(folder.iterdir()) and not (folder / LOCK).is_file():
         raise ScenarioError(
             f"{folder}: holds files that are no run; give another folder with -o"

@@ -106,6 +106,8 @@ def test_the_lock_file_gives_the_same_run_again(drive, tmp_path):
     first = run(scenario, tmp_path / "first", report=False)
     lock = tmp_path / "first/scenario.lock.toml"
     again = run(lock, tmp_path / "again", report=False)
+    with pytest.raises(ScenarioError, match="another folder"):
+        run(lock, tmp_path / "first", report=False)
     for name in first:
         assert np.array_equal(first[name].values, again[name].values)
     assert again.metrics == first.metrics
