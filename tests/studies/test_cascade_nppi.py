@@ -159,6 +159,23 @@ def test_a_disturbance_meets_the_loop_of_equation_8(
     assert e / 0.1 == pytest.approx(printed(5.0, 1.0)[1], rel=0.02)
 
 
+def test_two_equal_linear_axes_draw_a_circle_of_the_loops_gain(
+    co_simulated: Co,
+) -> None:
+    found = co_simulated("p_pi_circle").metrics
+    y, _ = monolith(15_001, 0.4, 0.0)
+    late = np.arange(5000, 15_001)
+    radius = abs(sine_fit(late / 2000, y[late], 0.4))
+    for figure in ("radial.min", "radial.max"):
+        assert found[figure].value == pytest.approx(1e3 * (radius - 10), abs=1e-6)
+
+
+def test_a_gain_that_follows_the_error_draws_no_circle(co_simulated: Co) -> None:
+    plain, nonlinear = (co_simulated(f"{c}_circle").metrics for c in ("p_pi", "np_pi"))
+    assert nonlinear["x.peak"].value < plain["x.peak"].value
+    assert nonlinear["radial.peak"].value > plain["radial.peak"].value
+
+
 def growth(N: float, T: float, measured: bool) -> float:
     """Return how much the sampled loop with the gain k_v N grows per sample."""
     table = Table(T)
