@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
 from orchestrator.quantity import Quantity, rate
+from orchestrator.report_contour import contours
 from orchestrator.report_figure import figure, name_of, names_of
 
 if TYPE_CHECKING:
     from orchestrator.session import Run
+
+_CONFIG = {"displaylogo": False, "responsive": True}
 
 
 def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) -> Path:
@@ -28,7 +31,7 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
     plot = figure(runs).to_html(
         full_html=False,
         include_plotlyjs=True,
-        config={"displaylogo": False, "responsive": True},
+        config=_CONFIG,
     )
     heading = title or name_of(runs[0])
     about = runs[0].scenario.spec.description if len(runs) == 1 else ""
@@ -39,12 +42,21 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         _metrics(runs),
         "<h2>Signals</h2>",
         plot,
+        *_contours(runs),
         *(_facts(run) for run in runs),
     ]
     page = _PAGE.replace("{title}", escape(heading)).replace("{body}", "\n".join(body))
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def _contours(runs: "Sequence[Run]") -> list[str]:
+    plots = [
+        plot.to_html(full_html=False, include_plotlyjs=False, config=_CONFIG)
+        for plot in contours(runs)
+    ]
+    return ["<h2>Contours</h2>", *plots] if plots else []
 
 
 def _metrics(runs: "Sequence[Run]") -> str:

@@ -151,8 +151,8 @@ def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
         actual, unit = scaled(metric, of, parameter, metric.unit)
         reference, _ = scaled(metric, against, parameter, unit)
         error = reference - actual
-        large, readable = _readable(unit, np.max(np.abs(reference)))
-        first = Panel(f"{name}: reference and actual", readable)
+        large, its = readable(unit, np.max(np.abs(reference)))
+        first = Panel(f"{name}: reference and actual", its)
         first.curves = [
             Curve(metric.against, against.time, large(reference), number, True),
             Curve(label + metric.of, of.time, large(actual), number),
@@ -163,7 +163,8 @@ def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
         yield second
 
 
-def _readable(unit: str, peak: float) -> tuple[Any, str]:
+def readable(unit: str, peak: float) -> tuple[Any, str]:
+    """Return a conversion to the unit in which values up to ``peak`` read well."""
     limit, larger = _LARGE.get(unit, (np.inf, unit))
     return (converter(unit, larger), larger) if peak > limit else (lambda v: v, unit)
 
