@@ -71,7 +71,8 @@ def simulate(
     vector = np.zeros(wiring.size)
     with ExitStack() as stack:
         instances = {
-            name: _load(name, part.fmu, stack) for name, part in wiring.parts.items()
+            name: open_instance(name, part.fmu, stack)
+            for name, part in wiring.parts.items()
         }
         initialise(wiring, instances, vector)
         recorder = Recorder(folder / "result", wiring.tables, vector)
@@ -126,7 +127,12 @@ def plan(system: System) -> Timetable:
     return timetable
 
 
-def _load(name: str, fmu: FmuDescription, stack: ExitStack) -> Instance:
+def open_instance(name: str, fmu: FmuDescription, stack: ExitStack) -> Instance:
+    """Unpack and load an FMU; closing ``stack`` frees it and deletes its folder.
+
+    Raises:
+        FmuError: its library cannot be loaded here.
+    """
     folder = stack.enter_context(unpacked(fmu.path))
     instance: Instance
     if fmu.needs_execution_tool:

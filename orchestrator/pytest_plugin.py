@@ -1,0 +1,222 @@
+"""Pytest plugin ``feeddrive``: compositions of FMUs under test.
+
+A ``.toml`` scenario with ``[expect]`` in a test folder is one test: it is run, and
+fails with every expectation not met: value, bound, where it was worst, and the
+report.  Bases (``_name.toml``) and lock files are left alone unless they are
+named on the command line.  The fixtures ``build_fmu``, ``load_fmu``,
+``compose_scenario`` and ``run_scenario`` do the same from Python.
+
+Nothing of feeddrive is imported before a scenario is found or a fixture asked
+for.
+"""
+
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from orchestrator.compose import Composition
+    from orchestrator.scenario import Scenario
+    from orchestrator.session import Run
+    from orchestrator.stepper import Stepper
+
+LOCKS = ".lock.toml"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("feeddrive")
+    group.addoption(
+        "--feeddrive-runs",
+        metavar="DIR",
+        help="keep the folders of scenario runs here (default: pytest's temporary)",
+    )
+
+
+def pytest_collect_file(
+    file_path: Path, parent: pytest.Collector
+) -> "ScenarioFile | None":
+    if file_path.suffix != ".toml":
+        return None
+    named = parent.session.isinitpath(file_path)
+    aside = file_path.name.startswith("_") or file_path.name.endswith(LOCKS)
+    if (aside and not named) or not _expects(file_path, ()):
+        return None
+    found: ScenarioFile = ScenarioFile.from_parent(parent, path=file_path)
+    return found
+
+
+def _expects(file: Path, heirs: tuple[Path, ...]) -> bool:
+    """Tell whether a file is a scenario with expectations, its own or a base's."""
+    try:
+        text = file.read_text(encoding="utf-8")
+        tables = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError):
+        return False
+    except tomllib.TOMLDecodeError:
+        return not heirs and "[expect" in text  # its test says what is wrong
+    bases = tables.get("base", [])
+    if "components" not in tables and not bases:
+        return False
+    if isinstance(expect := tables.get("expect"), dict) and any(expect.values()):
+        return True
+    names = [bases] if isinstance(bases, str) else bases
+    above = [file.parent / str(name) for name in names if isinstance(names, list)]
+    return any(_expects(base, (*heirs, file)) for base in above if base not in heirs)
+
+
+class ScenarioFile(pytest.File):
+    """A scenario file; it holds one test."""
+
+    def collect(self) -> Iterable[pytest.Item]:
+        yield ScenarioTest.from_parent(self, name="expect")
+
+
+class ExpectationsNotMet(Exception):
+    """The text of a failed scenario test."""
+
+
+class ScenarioTest(pytest.Item):
+    """Runs a scenario and checks its expectations."""
+
+    def runtest(self) -> None:
+        from orchestrator.session import run
+
+        done = run(self.path, _folder(self.config, self.nodeid))
+        if text := unmet(done):
+            raise ExpectationsNotMet(text)
+
+    def repr_failure(
+        self,
+        excinfo: pytest.ExceptionInfo[BaseException],
+        style: Any = None,
+    ) -> Any:
+        from orchestrator.errors import FeedDriveError
+
+        if isinstance(excinfo.value, ExpectationsNotMet | FeedDriveError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"scenario {self.path.stem}"
+
+
+def unmet(done: "Run") -> str:
+    """Return the expectations a run does not meet, one paragraph each, or nothing."""
+    from orchestrator.worst import worst_stretch
+
+    spec = done.scenario.spec
+    lines = []
+    for check in done.checks:
+        if check.met:
+            continue
+        metric = spec.metrics[check.figure.rpartition(".")[0]]
+        expected = spec.expect[check.figure]
+        parameter = done.composition.parameter
+        worst = worst_stretch(check.figure, metric, expected, done, parameter)
+        lines.append(f"{check.text}\n    {worst}")
+    if lines:
+        lines.append(f"report: {(done.folder / 'report.html').absolute()}")
+    return "\n".join(lines)
+
+
+def _folder(config: pytest.Config, name: str) -> Path:
+    """Return a folder for a run, new or of the same test's earlier run."""
+    plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in name)
+    if chosen := config.getoption("--feeddrive-runs"):
+        return Path(config.invocation_params.dir, chosen, plain)
+    factory: pytest.TempPathFactory = config._tmp_path_factory  # type: ignore[attr-defined]
+    return factory.mktemp(plain[-60:], numbered=True)
+
+
+@pytest.fixture
+def build_fmu(tmp_path: Path) -> Callable[..., Path]:
+    """``build_fmu("plants.ball_screw", fmi=3)`` or a ``.py`` beside the test: its FMU.
+
+    Options are those of ``fmus.build.build``; a period may be text.
+    """
+    from fmus.build import build
+    from orchestrator.quantity import parse_period
+
+    def built(module: str | Path, **options: Any) -> Path:
+        if (period := options.get("period")) is not None:
+            options["period"] = parse_period(period)
+        return build(str(module), **{"folder": tmp_path / "fmus", **options})
+
+    return built
+
+
+@pytest.fixture
+def load_fmu() -> "Iterator[Callable[..., Stepper]]":
+    """``load_fmu("their.fmu", values={"m": 2.0})``: an initialised FMU to step.
+
+    Closed at the end of the test; see ``orchestrator.stepper``.
+    """
+    from contextlib import ExitStack
+
+    from orchestrator.stepper import Stepper
+
+    with ExitStack() as stack:
+
+        def loaded(
+            path: str | Path, values: Mapping[str, Any] | None = None
+        ) -> "Stepper":
+            return stack.enter_context(Stepper(path, values))
+
+        yield loaded
+
+
+@pytest.fixture
+def compose_scenario(request: pytest.FixtureRequest) -> "Callable[..., Composition]":
+    """``compose_scenario(scenario, *overrides, swaps=None)``: wired, nothing run.
+
+    ``scenario`` is a name, a path (from the test's folder) or the tables of a
+    scenario as a dictionary; ``overrides`` are texts as for ``--set``, ``swaps``
+    ``{"plant": {"fmu": "their.fmu", "map": {...}}}``.
+    """
+    from orchestrator.compose import compose
+    from orchestrator.session import naming, run_earlier
+
+    def composed(
+        scenario: str | Path | Mapping[str, Any], *overrides: str, **options: Any
+    ) -> "Composition":
+        loaded = _scenario(request.path, scenario, overrides, **options)
+        with naming(loaded):
+            return compose(loaded, run_earlier)
+
+    return composed
+
+
+@pytest.fixture
+def run_scenario(request: pytest.FixtureRequest) -> "Callable[..., Run]":
+    """``run_scenario(scenario, *overrides, swaps=None)``: the finished run.
+
+    Arguments as for ``compose_scenario``; the result has signals by name,
+    ``metrics``, ``checks`` and its ``folder``.
+    """
+    from orchestrator.session import run
+
+    def ran(
+        scenario: str | Path | Mapping[str, Any], *overrides: str, **options: Any
+    ) -> "Run":
+        loaded = _scenario(request.path, scenario, overrides, **options)
+        return run(loaded, _folder(request.config, request.node.nodeid))
+
+    return ran
+
+
+def _scenario(
+    test: Path,
+    scenario: str | Path | Mapping[str, Any],
+    overrides: Sequence[str],
+    swaps: Mapping[str, Mapping[str, Any]] | None = None,
+) -> "Scenario":
+    from orchestrator.scenario import load_scenario, scenario_from
+
+    if isinstance(scenario, Mapping):
+        return scenario_from(scenario, test.with_suffix(".toml"), overrides, swaps)
+    beside = test.parent / scenario
+    chosen = beside if str(scenario).endswith(".toml") else scenario
+    return load_scenario(chosen, overrides, swaps)

@@ -1,0 +1,106 @@
+"""The pytest plugin finds scenarios, runs them, and says where they fail."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+pytest_plugins = ["pytester"]
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "own_drive"
+WEAK = """\
+base = "speed_step.toml"
+
+[components.controller]
+parameters = { K_p = 0.5 }
+"""
+
+
+@pytest.fixture
+def example(pytester: pytest.Pytester) -> pytest.Pytester:
+    """A repository laid out as the docs say."""
+    ignored = shutil.ignore_patterns("__pycache__", ".*", "runs")
+    shutil.copytree(EXAMPLE, pytester.path, ignore=ignored, dirs_exist_ok=True)
+    return pytester
+
+
+def run(pytester: pytest.Pytester, *arguments: str) -> pytest.RunResult:
+    return pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments)
+
+
+def test_the_example_of_the_docs_passes(example: pytest.Pytester) -> None:
+    result = run(example)
+    result.assert_outcomes(passed=4)
+
+
+def test_a_composition_that_misses_its_bounds_fails_and_says_where(
+    example: pytest.Pytester,
+) -> None:
+    (example.path / "tests" / "weak_gain.toml").write_text(WEAK)
+    result = run(example, "tests/weak_gain.toml", "--feeddrive-runs", "kept")
+    result.assert_outcomes(failed=1)
+    text = result.stdout.str()
+    overshoot = re.search(
+        r"speed.overshoot = ([\d.]+) %, expected below 10\n"
+        r" +motor.omega - 100 rad/s: worst from ([\d.]+) s to ([\d.]+) s, "
+        r"([\d.]+) rad/s at ([\d.]+) s\n",
+        text,
+    )
+    assert overshoot is not None, text
+    percent, start, end, peak, at = map(float, overshoot.groups())
+    assert peak == pytest.approx(percent)  # of a step to 100 rad/s
+    assert 0 < start < at < end < 0.1
+    report = re.search(r"report: (.*report.html)", text)
+    assert report is not None
+    assert Path(report[1]).is_relative_to(example.path / "kept")
+    assert Path(report[1]).is_file()
+    assert "Traceback" not in text
+
+
+def test_a_scenario_with_a_mistake_fails_with_one_paragraph(
+    example: pytest.Pytester,
+) -> None:
+    file = example.path / "tests" / "speed_step.toml"
+    file.write_text(file.read_text().replace("motor.i", "motor.current"))
+    result = run(example, "tests/speed_step.toml")
+    result.assert_outcomes(failed=1)
+    assert "motor.current" in result.stdout.str()
+    assert "pytest_plugin.py" not in result.stdout.str()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "collected"),
+    [
+        ("inherits.toml", 'base = "speed_step.toml"', 1),
+        ("without.toml", 'base = "speed_step.toml"\n[expect]\n"a.b" = false', 1),
+        ("_base.toml", 'base = "speed_step.toml"', 0),
+        ("again.lock.toml", 'base = "speed_step.toml"', 0),
+        ("circle.toml", 'base = "circle.toml"', 0),
+        ("settings.toml", "[expect]\nnothing = 1", 0),
+        ("broken.toml", "[expect]\na = = 1", 1),
+        ("other.toml", "a = = 1", 0),
+    ],
+)
+def test_only_scenarios_with_expectations_are_collected(
+    example: pytest.Pytester, name: str, text: str, collected: int
+) -> None:
+    (example.path / "tests" / name).write_text(text)
+    result = run(example, "--collect-only", "-q")
+    listed = [line for line in result.outlines if line.startswith(f"tests/{name}")]
+    assert len(listed) == collected
+
+
+def test_a_run_without_scenarios_imports_nothing_of_ours(
+    pytester: pytest.Pytester,
+) -> None:
+    pytester.makepyfile(
+        """
+        import sys
+
+        def test_it():
+            ours = [m for m in sys.modules if m.partition(".")[0] == "orchestrator"]
+            assert sorted(ours) == ["orchestrator", "orchestrator.pytest_plugin"]
+            assert "numpy" not in sys.modules
+        """
+    )
+    pytester.runpytest_subprocess().assert_outcomes(passed=1)
