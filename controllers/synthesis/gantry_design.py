@@ -102,6 +102,7 @@ def averaging(
     pm_deg: float = 40.0,
     damping_increase: float = 5.9,
     effective: bool = True,
+    omega_l_hz: float | None = None,
     latency: int = 1,
     T_s: float = 1 / 15_000,
 ) -> dict[str, float]:
@@ -115,6 +116,7 @@ def averaging(
         f_c_hz, pm_deg: crossover (Hz) and phase margin (deg).
         damping_increase: added over existing yaw damping.
         effective: the increase is meant with the filters' gain at the yaw mode.
+        omega_l_hz: bandwidth of the drives' lag (Hz), None for none.
         latency, T_s: delay in whole samples, and the sample time (s).
 
     Raises:
@@ -125,6 +127,8 @@ def averaging(
     s = np.array([1j * omega_c])
     h = y_filters(filters, s)[0]
     P = h * np.exp(-s[0] * (0.5 + latency) * T_s) / (m * s[0] ** 2)
+    if omega_l_hz is not None:
+        P = P / (1 + 1j * f_c_hz / omega_l_hz)
     found = shape(complex(P), omega_c, float(np.deg2rad(pm_deg)))
 
     plant = gantry.Parameters(m=m, m_x=m_x, L=L, J_0=J_0, d=d, c=c, k=k)
@@ -134,6 +138,20 @@ def averaging(
         yaw = np.array([1j * np.sqrt(k / now.J)])
         beta = beta / abs(y_filters(filters, yaw)[0])
     return {"K": found.K, "T_d": found.T_d, "a": found.a, "beta": float(beta)}
+
+
+def added_damping(beta: float, p: gantry.Parameters | None = None) -> float:
+    """Return the yaw damping that beta adds, in % of what is there (eq. 4.28).
+
+    Args:
+        beta: active damping (V s/m), acting through the filters' gain at the mode.
+        p: the gantry, table at x = 0.
+    """
+    p = gantry.Parameters() if p is None else p
+    now = gantry.geometry(0.0, p)
+    yaw = np.array([1j * np.sqrt(p.k / now.J)])
+    gain = abs(y_filters(gantry_filters.Parameters(), yaw)[0])
+    return float(100 * 2 * beta * gain * now.a_1 * now.a_2 / p.c)
 
 
 def pid(

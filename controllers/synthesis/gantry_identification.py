@@ -81,6 +81,24 @@ def mass_distribution(
     return {"m": m, "alpha_1": m_1 / m, "alpha_2": m_2 / m}
 
 
+def schedule(
+    T_s: float,
+    a_r: FloatArray,
+    u_1: FloatArray,
+    u_2: FloatArray,
+    m_x: float = gantry.Parameters().m_x,
+    L: float = gantry.Parameters().L,
+    d: float = gantry.Parameters().d,
+) -> dict[str, float]:
+    """Return m and alpha_0 of a controller's schedule from a tracking run at x = 0.
+
+    Arguments as of ``mass_distribution``; m_x, L, d are known.
+    """
+    found = mass_distribution(T_s, a_r, u_1, u_2)
+    assumed = gantry.geometry(0.0, gantry.Parameters(m=found["m"], m_x=m_x, L=L, d=d))
+    return {"m": found["m"], "alpha_0": found["alpha_2"] - float(assumed.a_1 / L)}
+
+
 def x_prefilter(
     T_s: float, x_r: FloatArray, x_m: FloatArray, f_hz: float = 80.0
 ) -> dict[str, float]:

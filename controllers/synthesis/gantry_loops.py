@@ -23,7 +23,8 @@ from controllers.synthesis import multivariable as mv
 from controllers.synthesis.frequency import Loop, battery
 from controllers.synthesis.frequency import poles as loop_poles
 from controllers.synthesis.frequency import respond as loop_respond
-from controllers.synthesis.gantry_continuous import mimo_law, pid_law
+from controllers.synthesis.gantry_continuous import mimo_law, pid_law, y_filters
+from controllers.synthesis.gantry_design import averaging
 from controllers.synthesis.linearise import linearise, without_bystanders
 from controllers.synthesis.parameters import share, with_values
 from fmus.model import FloatArray, Model, Record
@@ -35,6 +36,8 @@ CONTROLLERS: dict[str, tuple[Model, Any]] = {
 }
 # where the yaw mode is looked for, opened and closed
 YAW_HZ = (75.0, 140.0)
+# what lies below is the rigid motion and the machine's base
+LOW_HZ = 60.0
 
 
 def plant_figures(x: float = 0.0, **parameters: float) -> dict[str, float]:
@@ -110,6 +113,7 @@ def figures(
 
         crossover_1, ...                  upper singular value of L passes 1
         s_max, s_max_frequency            largest upper singular value of S
+        s_low, s_low_frequency            the same below 60 Hz
         active_to                         of S below 1 up to
         rejection_1_from, ..._to, ...     of S G below that of G
         yaw_attenuation, yaw_frequency    peak of G over that of S G, and where
@@ -148,6 +152,38 @@ def _fastest_growing(z: mv.ComplexArray, T_s: float) -> dict[str, float]:
         "growing_damping": float(-s.real / abs(s)),
         "growth_time": float(1 / s.real),
     }
+
+
+def lagging_figures(
+    omega_l_hz: float = 221.28, **parameters: float
+) -> dict[str, float]:
+    """Return the figures of the averaged loop whose drives lag, D designed for it.
+
+    Args:
+        omega_l_hz: bandwidth of both drives (Hz).
+        parameters: by name, see the module; ``k_i`` for instance.
+    """
+    (p,) = share({}, {"plant": gantry.model.parameters})
+    gains = averaging(p.m, p.m_x, p.L, p.J_0, p.d, p.c, p.k, omega_l_hz=omega_l_hz)
+    lag = {"plant.amplifier.on": True, "plant.amplifier.omega_l_hz": omega_l_hz}
+    return figures("mimo", **(gains | lag | parameters))  # type: ignore[arg-type]
+
+
+def averaged_figures(latency: int = 1, T_s: float = 1 / 15_000) -> dict[str, float]:
+    """Return crossover (Hz) and phase_margin (deg) of h D/(m s²) with its delay.
+
+    Args:
+        latency, T_s: delay in whole samples besides the hold, sample time (s).
+    """
+    p = gantry_mimo.Parameters()
+    f_hz = np.geomspace(20.0, 150.0, 4001)
+    s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
+    D = p.K * (p.T_d * s + 1) / (s / p.a + 1)
+    L = y_filters(p.filters, s) * D / (p.m * s * s) * np.exp(-s * (0.5 + latency) * T_s)
+    (crossover,) = mv.crossings(f_hz, np.abs(L))
+    phase = np.interp(crossover, f_hz, np.unwrap(np.angle(L)))
+    margin = np.mod(np.rad2deg(phase), 360.0) - 180.0
+    return {"crossover": float(crossover), "phase_margin": float(margin)}
 
 
 def integral_limit(
@@ -232,6 +268,7 @@ def named(response: mv.MultiResponse) -> dict[str, float]:
     closed, opened = mv.upper(S @ response.G), mv.upper(response.G)
     sensitivity = mv.upper(S)
     worst = int(np.argmax(sensitivity))
+    rigid = int(np.argmax(sensitivity[f_hz < LOW_HZ]))
     at_yaw = (f_hz >= YAW_HZ[0]) & (f_hz <= YAW_HZ[1])
     peak = int(np.argmax(closed[at_yaw]))
     found = {f"crossover_{i}": float(f) for i, f in enumerate(mv.crossings(f_hz, L), 1)}
@@ -241,6 +278,8 @@ def named(response: mv.MultiResponse) -> dict[str, float]:
     return found | {
         "s_max": float(sensitivity[worst]),
         "s_max_frequency": float(f_hz[worst]),
+        "s_low": float(sensitivity[rigid]),
+        "s_low_frequency": float(f_hz[rigid]),
         "active_to": float(active[0, 1]) if len(active) else 0.0,
         "yaw_attenuation": float(np.max(opened[at_yaw]) / closed[at_yaw][peak]),
         "yaw_frequency": float(f_hz[at_yaw][peak]),
