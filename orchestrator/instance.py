@@ -14,8 +14,10 @@ import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,37 +119,17 @@ class LocalInstance:
     def instantiate(self) -> None:
         with self._named("instantiate"):
             if self._fmi2:
-                self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
+                _SPEAKERS[self.name] = self
+                self._fmu.instantiate(callbacks=_callbacks(), loggingOn=True)
             else:
                 self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
         self.slave = ctypes.c_void_p(self._fmu.component)
 
-    def _callbacks(self) -> Any:
-        from fmpy.fmi1 import calloc, free
-        from fmpy.fmi2 import (
-            fmi2CallbackAllocateMemoryTYPE,
-            fmi2CallbackFreeMemoryTYPE,
-            fmi2CallbackFunctions,
-            fmi2CallbackLoggerTYPE,
-        )
-        from fmpy.logging import addLoggerProxy
-
-        def message(
-            _env: Any, _name: Any, status: int, category: Any, text: Any
-        ) -> None:
-            self._record(status, category, text)
-
-        callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(message)
-        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        addLoggerProxy(ctypes.byref(callbacks))
-        return callbacks
-
     def _fmi3_message(self, _env: Any, status: int, category: Any, text: Any) -> None:
-        self._record(status, category, text)
+        self.record(status, category, text)
 
-    def _record(self, status: int, category: bytes | None, text: bytes | None) -> None:
+    def record(self, status: int, category: bytes | None, text: bytes | None) -> None:
+        """Keep what the FMU logs, and pass it on."""
         label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
         name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
         message = LogMessage(label, name, said, self.time)
@@ -262,6 +244,37 @@ class LocalInstance:
         with suppress(Exception):
             self._fmu.freeInstance()
         self.slave = None
+
+
+_SPEAKERS: WeakValueDictionary[str, LocalInstance] = WeakValueDictionary()
+
+
+@cache
+def _callbacks() -> Any:
+    """Return the FMI 2.0 callbacks, one set for the whole process.
+
+    fmpy's proxy, which formats the messages, knows a single logger: the instance
+    that speaks is found by its name.
+    """
+    from fmpy.fmi1 import calloc, free
+    from fmpy.fmi2 import (
+        fmi2CallbackAllocateMemoryTYPE,
+        fmi2CallbackFreeMemoryTYPE,
+        fmi2CallbackFunctions,
+        fmi2CallbackLoggerTYPE,
+    )
+    from fmpy.logging import addLoggerProxy
+
+    def message(_env: Any, name: bytes, status: int, category: Any, text: Any) -> None:
+        if (speaker := _SPEAKERS.get((name or b"").decode())) is not None:
+            speaker.record(status, category, text)
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(message)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
 
 
 class _Named:
