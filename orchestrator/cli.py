@@ -7,7 +7,7 @@ usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator import cli_fmus, cli_run, cli_study
+from orchestrator import cli_check, cli_fmus, cli_run, cli_study
 
 app = typer.Typer(
     name="feeddrive",
@@ -21,6 +21,7 @@ for verb in (
     cli_fmus.models,
     cli_fmus.build,
     cli_fmus.info,
+    cli_check.check,
     cli_run.schedule,
     cli_run.run,
     cli_study.reproduce,

@@ -1,0 +1,216 @@
+"""One FMU instance on fmpy: the same calls for FMI 2 and 3, CS and ME.
+
+Calls that an FMU refuses raise fmpy's ``FMICallException``.
+"""
+
+from collections.abc import Callable, Sequence
+from ctypes import byref, c_double
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from fmpy.fmi1 import calloc, free
+from fmpy.fmi2 import (
+    FMU2Model,
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy.logging import addLoggerProxy
+
+from orchestrator.checks.item import CannotRun
+from orchestrator.fmu import FmuDescription, FmuVariable
+
+Kind: TypeAlias = Literal["co-simulation", "model exchange"]
+Log: TypeAlias = Callable[[int, bytes | None, bytes | None], None]
+CLASSES = {
+    (2, "co-simulation"): FMU2Slave,
+    (2, "model exchange"): FMU2Model,
+    (3, "co-simulation"): FMU3Slave,
+    (3, "model exchange"): FMU3Model,
+}
+ITERATIONS = 100  # of discrete states in one event
+
+
+def required_functions(kind: Kind, major: int) -> list[str]:
+    """Return the names every library of this interface has to export."""
+    return [name for name in dir(CLASSES[major, kind]) if name.startswith("fmi")]
+
+
+def load(
+    kind: Kind, description: FmuDescription, folder: Path, name: str, token: str | None
+) -> "Face":
+    """Load the library of an unpacked FMU.
+
+    Raises:
+        CannotRun: there is none for this machine, or it does not load.
+    """
+    face = {2: Face2, 3: Face3}[description.fmi_major]
+    try:
+        fmu = CLASSES[description.fmi_major, kind](
+            guid=description.token if token is None else token,
+            modelIdentifier=description.model_identifier,
+            unzipDirectory=str(folder),
+            instanceName=name,
+        )
+    except AttributeError as error:
+        raise CannotRun(f"a function is missing: {error}") from None
+    except Exception as error:  # fmpy raises bare Exception when loading fails
+        raise CannotRun(str(error).replace(f"{folder}/", "")) from None
+    return face(fmu, kind)
+
+
+class Face:
+    """What both versions of FMI share."""
+
+    def __init__(self, fmu: Any, kind: Kind) -> None:
+        self.fmu = fmu
+        self.exchanging = kind == "model exchange"
+        self.number_of_states = 0
+
+    def instantiate(self, log: Log, logging: bool) -> None:
+        raise NotImplementedError
+
+    def enter(self, start: float, stop: float | None, tol: float | None) -> None:
+        raise NotImplementedError
+
+    def leave(self) -> None:
+        self.fmu.exitInitializationMode()
+        if self.exchanging:
+            self._settle()
+            self.fmu.enterContinuousTimeMode()
+
+    def step(self, t: float, h: float) -> None:
+        if self.exchanging:
+            self._euler(t, h)
+        else:
+            self.fmu.doStep(t, h)
+
+    def get(self, variable: FmuVariable) -> list[Any]:
+        raise NotImplementedError
+
+    def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
+        raise NotImplementedError
+
+    def count_states(self) -> int:
+        raise NotImplementedError
+
+    def derivatives(self, values: Any, count: int) -> None:
+        raise NotImplementedError
+
+    def _settle(self) -> None:
+        raise NotImplementedError
+
+    def _euler(self, t: float, h: float) -> None:
+        count = self.count_states()
+        states, slopes = (c_double * count)(), (c_double * count)()
+        self.fmu.setTime(t)
+        if count:
+            self.fmu.getContinuousStates(states, count)
+            self.derivatives(slopes, count)
+        self.fmu.setTime(t + h)
+        if count:
+            for i in range(count):
+                states[i] += h * slopes[i]
+            self.fmu.setContinuousStates(states, count)
+        enter, _ended = self.fmu.completedIntegratorStep()
+        if enter:
+            self.fmu.enterEventMode()
+            self._settle()
+            self.fmu.enterContinuousTimeMode()
+
+
+class Face2(Face):
+    """FMI 2.0."""
+
+    def instantiate(self, log: Log, logging: bool) -> None:
+        def message(
+            _env: Any, _name: Any, status: int, category: Any, text: Any
+        ) -> None:
+            log(status, category, text)
+
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(message)
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        addLoggerProxy(byref(callbacks))
+        try:
+            self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
+        except Exception:  # fmpy's way to say that there is no instance
+            self.fmu.component = None
+
+    def enter(self, start: float, stop: float | None, tol: float | None) -> None:
+        self.fmu.setupExperiment(tolerance=tol, startTime=start, stopTime=stop)
+        self.fmu.enterInitializationMode()
+
+    def get(self, variable: FmuVariable) -> list[Any]:
+        name = _fmi2_type(variable)
+        values = getattr(self.fmu, f"get{name}")([variable.reference])
+        return [v.decode("utf-8", "replace") if name == "String" else v for v in values]
+
+    def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
+        getattr(self.fmu, f"set{_fmi2_type(variable)}")([variable.reference], values)
+
+    def count_states(self) -> int:
+        return self.number_of_states
+
+    def derivatives(self, values: Any, count: int) -> None:
+        self.fmu.getDerivatives(values, count)
+
+    def _settle(self) -> None:
+        for _ in range(ITERATIONS):
+            if not self.fmu.newDiscreteStates()[0]:
+                return
+
+
+class Face3(Face):
+    """FMI 3.0."""
+
+    def instantiate(self, log: Log, logging: bool) -> None:
+        def message(_env: Any, status: int, category: Any, text: Any) -> None:
+            log(status, category, text)
+
+        try:
+            self.fmu.instantiate(logMessage=message, loggingOn=logging)
+        except Exception:  # fmpy's way to say that there is no instance
+            self.fmu.component = None
+
+    def enter(self, start: float, stop: float | None, tol: float | None) -> None:
+        self.fmu.enterInitializationMode(tolerance=tol, startTime=start, stopTime=stop)
+
+    def get(self, variable: FmuVariable) -> list[Any]:
+        name = _fmi3_type(variable)
+        values = getattr(self.fmu, f"get{name}")([variable.reference], variable.size)
+        return [v.decode("utf-8", "replace") if name == "String" else v for v in values]
+
+    def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
+        getattr(self.fmu, f"set{_fmi3_type(variable)}")(
+            [variable.reference], list(values)
+        )
+
+    def count_states(self) -> int:
+        from ctypes import c_size_t
+
+        count = c_size_t()
+        self.fmu.fmi3GetNumberOfContinuousStates(self.fmu.component, byref(count))
+        return int(count.value)
+
+    def derivatives(self, values: Any, count: int) -> None:
+        self.fmu.getContinuousStateDerivatives(values, count)
+
+    def _settle(self) -> None:
+        for _ in range(ITERATIONS):
+            if not self.fmu.updateDiscreteStates()[0]:
+                return
+
+
+def _fmi2_type(variable: FmuVariable) -> str:
+    kind = variable.fmi_type
+    return "Integer" if kind == "Enumeration" else kind
+
+
+def _fmi3_type(variable: FmuVariable) -> str:
+    kind = variable.fmi_type
+    return "Int64" if kind == "Enumeration" else kind

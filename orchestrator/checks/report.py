@@ -1,0 +1,103 @@
+"""What came of a check: as JSON, as JUnit XML, and how it ends."""
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from orchestrator.checks.item import Outcome, Verdict
+
+VERDICTS: tuple[Verdict, ...] = (
+    "pass",
+    "finding",
+    "not applicable",
+    "could not be run",
+)
+
+
+@dataclass(frozen=True)
+class Report:
+    """The outcomes of all items that were tried, by number."""
+
+    fmu: Path
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often there was each verdict."""
+        found = Counter(outcome.verdict for outcome in self.outcomes)
+        return {verdict: found[verdict] for verdict in VERDICTS}
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing violates the standard and everything could be tried."""
+        return not any(
+            outcome.verdict == "could not be run"
+            or any(f.severity == "error" for f in outcome.findings)
+            for outcome in self.outcomes
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the object that ``check --json`` prints."""
+        return {
+            "fmu": str(self.fmu),
+            "clean": self.clean,
+            "counts": self.counts,
+            "items": [_item(outcome) for outcome in self.outcomes],
+        }
+
+    def to_junit(self) -> bytes:
+        """Return a JUnit document: one test case per item."""
+        suite = etree.Element(
+            "testsuite",
+            name=f"feeddrive check {self.fmu.name}",
+            tests=str(len(self.outcomes)),
+            failures=str(self.counts["finding"]),
+            errors=str(self.counts["could not be run"]),
+            skipped=str(self.counts["not applicable"]),
+        )
+        kinds = {
+            "finding": "failure",
+            "could not be run": "error",
+            "not applicable": "skipped",
+        }
+        for outcome in self.outcomes:
+            item = outcome.item
+            name = f"{item.number} {item.part}: {item.title}"
+            case = etree.SubElement(
+                suite, "testcase", name=name, classname=self.fmu.stem
+            )
+            if outcome.verdict == "pass":
+                continue
+            lines = [f"{f.severity}: {f.text}" for f in outcome.findings]
+            text = outcome.reason or f"{item.clause}: {item.mend}"
+            told = etree.SubElement(case, kinds[outcome.verdict], message=_plain(text))
+            told.text = _plain("\n".join(lines))
+        document: bytes = etree.tostring(
+            suite, xml_declaration=True, encoding="UTF-8", pretty_print=True
+        )
+        return document
+
+
+def _item(outcome: Outcome) -> dict[str, Any]:
+    item = outcome.item
+    return {
+        "number": item.number,
+        "part": item.part,
+        "title": item.title,
+        "clause": item.clause,
+        "verdict": outcome.verdict,
+        "seen": outcome.seen,
+        "findings": [
+            {"text": f.text, "severity": f.severity, "mend": f.mend or item.mend}
+            for f in outcome.findings
+        ],
+        "reason": outcome.reason,
+    }
+
+
+def _plain(text: str) -> str:
+    """Drop the characters that XML cannot hold; FMUs log what they like."""
+    return "".join(c for c in text if c.isprintable() or c in "\n\t")

@@ -1,0 +1,311 @@
+"""Dynamic items: variables set and read at the right and at the wrong moment."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+
+from orchestrator.checks.item import (
+    Finding,
+    NotApplicable,
+    Said,
+    advice,
+    dynamic,
+)
+from orchestrator.checks.laboratory import (
+    FATAL,
+    OK,
+    STATUS,
+    STEPS,
+    Instance,
+    Laboratory,
+    excitation,
+    same,
+    start_of,
+)
+from orchestrator.fmu import FmuVariable
+
+SHOWN = 5
+
+
+@dynamic(
+    6,
+    "Outputs depend on what they say, and on nothing else",
+    "FMI 2.0.5 section 2.2.8; FMI 3.0.2 section 2.4.8",
+    "list every input that the output depends on directly; an importer orders its "
+    "calls by that",
+)
+def dependencies_true(lab: Laboratory) -> Iterator[Said]:
+    description = lab.description
+    inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
+    outputs = [v for v in lab.variables(causality="output") if v.sort == "real"]
+    if not inputs or not outputs:
+        raise NotApplicable("it has no real input or no real output")
+    declared = description.initial_dependencies
+    undeclared: dict[str, set[str]] = {}
+    for variable in inputs:
+        with lab.instance() as one:
+            one.enter()
+            before = {o.name: one.get(o) for o in outputs}
+            for part in (1.0, -1.0, 0.37):
+                one.set(variable, excitation(variable, part))
+                for output in outputs:
+                    listed = declared.get(output.name)
+                    if listed is None or variable.name in listed:
+                        continue
+                    if one.get(output) != before[output.name]:
+                        undeclared.setdefault(output.name, set()).add(variable.name)
+            one.leave()
+    for name, found in undeclared.items():
+        yield Finding(
+            f"in initialisation {name} changes with {', '.join(sorted(found))}, which "
+            f"InitialUnknowns does not list"
+        )
+    yield f"{len(inputs)} inputs moved, {len(outputs)} outputs watched"
+
+
+@dynamic(
+    9,
+    "Start values of the description are those of the binary",
+    "FMI 2.0.5 section 2.2.7 (start); FMI 3.0.2 section 2.4.7",
+    "write the values into modelDescription.xml that the binary starts with",
+)
+def burnt_in(lab: Laboratory) -> Iterator[Said]:
+    described = [
+        v
+        for v in lab.description.variables.values()
+        if v.start is not None
+        and v.sort != "string"
+        and v.fmi_type not in ("Binary", "Clock")
+        and (v.causality in ("parameter", "input") or v.initial == "exact")
+    ]
+    with lab.instance() as one:
+        one.enter()
+        for variable in described:
+            found = [float(v) for v in one.get(variable)]
+            wanted = [float(v) for v in start_of(variable)]
+            if not np.array_equal(found, wanted):
+                yield Finding(
+                    f"{variable.name}: start = {variable.start}, the binary has "
+                    f"{' '.join(f'{v:.17g}' for v in found[:SHOWN])}"
+                )
+        one.leave()
+        alone = one.run(STEPS)
+    settable = [v for v in described if v.variability != "constant"]
+    with lab.instance("set") as one:
+        lab.trying("setting all variables to their start values")
+        for variable in settable:
+            one.set(variable, start_of(variable))
+        one.begin()
+        if not same(one.run(STEPS), alone):
+            yield Finding("setting all start values as described gives another run")
+    yield f"{len(described)} start values"
+
+
+@dynamic(
+    22,
+    "Directional derivatives are those of the model",
+    "FMI 2.0.5 section 2.1.9; FMI 3.0.2 (directional derivatives)",
+    "differentiate the equations that are evaluated",
+)
+def directional(lab: Laboratory) -> Iterator[Said]:
+    fmi2 = lab.description.fmi_major == 2
+    lab.needs(f"providesDirectionalDerivative{'' if fmi2 else 's'}")
+    unknowns = [u.variable.name for u in lab.model.outputs]
+    outputs = [lab.description[n] for n in unknowns if not lab.description[n].shape]
+    inputs = [
+        v for v in lab.variables(causality="input") if v.sort == "real" and not v.shape
+    ]
+    outputs = [v for v in outputs if v.sort == "real"]
+    if not inputs or not outputs:
+        raise NotApplicable("it has no scalar real input or output")
+    with lab.instance() as one:
+        one.enter()
+        for variable in inputs:
+            yield from _one_direction(one, variable, outputs)
+
+
+def _one_direction(
+    one: Instance, known: FmuVariable, unknowns: list[FmuVariable]
+) -> Iterator[Said]:
+    at = (start_of(known) or [0.0])[0]
+    delta = 1e-6 * max(1.0, abs(at))
+    references = [v.reference for v in unknowns]
+    one.lab.trying(f"asking for derivatives with respect to {known.name}")
+    exact = one.fmu.getDirectionalDerivative(references, [known.reference], [1.0])
+    sides = []
+    for sign in (1, -1):
+        one.set(known, [at + sign * delta])
+        sides.append([one.get(v)[0] for v in unknowns])
+    one.set(known, [at])
+    quotient = (np.array(sides[0]) - np.array(sides[1])) / (2 * delta)
+    for variable, given, found in zip(unknowns, exact, quotient, strict=True):
+        if not np.isclose(given, found, rtol=1e-3, atol=1e-6):
+            yield Finding(
+                f"d {variable.name} / d {known.name} = {given:.6g}, differences give "
+                f"{found:.6g}"
+            )
+
+
+@dynamic(
+    23,
+    "Derivatives of inputs are used or refused",
+    "FMI 2.0.5 sections 4.2.1, 4.3.1 (canInterpolateInputs)",
+    "return Error from fmi2SetRealInputDerivatives unless canInterpolateInputs",
+)
+def input_derivatives(lab: Laboratory) -> Iterator[Said]:
+    lab.needs_co_simulation()
+    inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
+    if lab.description.fmi_major != 2 or not inputs:
+        raise NotApplicable("it is of FMI 3 or has no real input")
+    declared = bool(lab.interface.canInterpolateInputs)
+    with lab.running() as one:
+        lab.trying("setting the derivative of an input")
+        reference = [inputs[0].reference]
+        status = one.status(one.fmu.setRealInputDerivatives, reference, [1], [0.0])
+    if declared and status != OK:
+        yield Finding(f"canInterpolateInputs = true, but it returns {STATUS[status]}")
+    if not declared and status == OK:
+        yield advice("canInterpolateInputs = false, but a derivative is accepted")
+    yield f"canInterpolateInputs = {declared}, the call returns {STATUS[status]}"
+
+
+@dynamic(
+    24,
+    "Tunable parameters can be changed between steps, fixed ones not",
+    "FMI 2.0.5 section 2.2.7 (variability), 4.2.1; FMI 3.0.2 section 2.4.7.4",
+    "accept tunable parameters between steps, refuse fixed ones with Error",
+)
+def tunable(lab: Laboratory) -> Iterator[Said]:
+    lab.needs_co_simulation()
+    parameters = [v for v in lab.variables(causality="parameter") if v.sort == "real"]
+    if not parameters:
+        raise NotApplicable("it has no real parameter")
+    frozen = []
+    for variability in ("tunable", "fixed"):
+        for variable in parameters:
+            if variable.variability != variability:
+                continue
+            with lab.running() as one:
+                one.run(2)
+                lab.trying(f"changing {variability} parameter {variable.name}")
+                value = excitation(variable, 0.01)
+                status = one.status(one.set, variable, value)
+                if variability == "fixed":
+                    frozen += [variable.name] if status == OK else []
+                elif status != OK:
+                    yield Finding(
+                        f"{variable.name} is tunable, but changing it returns "
+                        f"{STATUS[status]}"
+                    )
+                elif one.get(variable) != value:
+                    yield Finding(f"{variable.name} keeps its value when it is changed")
+    if frozen:
+        more = f" and {len(frozen) - SHOWN} more" if len(frozen) > SHOWN else ""
+        yield advice(
+            f"fixed parameters are changed between steps: "
+            f"{', '.join(frozen[:SHOWN])}{more}"
+        )
+    yield f"{len(parameters)} parameters"
+
+
+@dynamic(
+    26,
+    "What is not allowed is refused, and can be gone on from",
+    "FMI 2.0.5 sections 2.1.3, 4.2.4; FMI 3.0.2 section 2.2.3",
+    "return Error with a message and leave the instance as it was",
+)
+def refusals(lab: Laboratory) -> Iterator[Said]:
+    constants = lab.variables(variability="constant")
+    outputs = [v for v in lab.variables(causality="output") if v.sort == "real"]
+    with lab.running() as one:
+        one.run(2)
+        attempts: list[tuple[str, Any]] = [("an unknown reference is read", _unknown)]
+        for group, what in ((constants, "a constant"), (outputs, "an output")):
+            if group and group[0].sort == "real":
+                variable = group[0]
+                attempts.append(
+                    (
+                        f"{what} ({variable.name}) is set",
+                        lambda one, v=variable: one.set(v, [1.0] * v.size),
+                    )
+                )
+        for what, attempt in attempts:
+            lab.trying(f"trying whether {what}")
+            status = one.status(attempt, one)
+            if status == OK:
+                yield advice(f"{what} without an objection")
+            elif status >= FATAL:
+                yield Finding(f"{what}: returns Fatal, which ends every instance")
+                return
+        lab.trying("stepping after refusals")
+        if (status := one.status(one.run, 2)) != OK:
+            yield advice(f"after a refusal a step returns {STATUS[status]}")
+    with lab.instance("early") as early:
+        if lab.kind == "co-simulation":
+            lab.trying("stepping before initialisation")
+            if early.status(early.step, 0.0, lab.h) == OK:
+                yield advice("a step before initialisation is accepted")
+
+
+def _unknown(one: Instance) -> None:
+    known = (v.reference for v in one.lab.description.variables.values())
+    unknown = max(known, default=0) + 100_000
+    fmi2 = one.lab.description.fmi_major == 2
+    (one.fmu.getReal if fmi2 else one.fmu.getFloat64)([unknown])
+
+
+@dynamic(
+    27,
+    "NaN, infinity and huge numbers do no lasting harm",
+    "FMI 2.0.5 section 2.1.3; implementers' guide 3",
+    "refuse the value, or give NaN; a reset has to bring the model back",
+)
+def wild_numbers(lab: Laboratory) -> Iterator[Said]:
+    inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
+    if not inputs:
+        raise NotApplicable("it has no real input")
+    wanted = lab.trajectory()
+    with lab.instance() as one:
+        for value in (np.nan, np.inf, -np.inf, 1e300):
+            one.begin()
+            lab.trying(f"setting an input to {value}")
+            with suppress(FMICallException):
+                one.set(inputs[0], [value] * inputs[0].size)
+                one.run(3, excited=False)
+            lab.trying(f"resetting after an input of {value}")
+            one.fmu.reset()
+        one.begin()
+        if not same(one.run(STEPS), wanted):
+            yield Finding("a reset after NaN or infinity does not bring the model back")
+
+
+@dynamic(
+    36,
+    "Events and early returns come only when they were allowed",
+    "FMI 3.0.2 section 4.2 (eventModeUsed, earlyReturnAllowed)",
+    "without eventModeUsed and earlyReturnAllowed go on to the end of the step",
+)
+def no_surprises(lab: Laboratory) -> Iterator[Said]:
+    lab.needs_co_simulation()
+    if lab.description.fmi_major != 3:
+        raise NotApplicable("events of co-simulation are of FMI 3")
+    with lab.running() as one:
+        lab.trying("stepping without events and early returns")
+        for k in range(STEPS):
+            event, ended, early, reached = one.fmu.doStep(k * lab.h, lab.h)
+            if event or early:
+                what = "an event" if event else "an early return"
+                yield Finding(f"step {k} reports {what}, which was not allowed")
+                return
+            if ended:
+                yield advice(f"step {k} asks to end the simulation")
+                return
+            if not np.isclose(reached, (k + 1) * lab.h, rtol=1e-9):
+                yield Finding(
+                    f"step {k} ends at {(k + 1) * lab.h:.9g} s, but "
+                    f"lastSuccessfulTime = {reached:.9g} s"
+                )
+                return
