@@ -88,8 +88,8 @@ def _columns(folder: Path) -> dict[str, Path]:
     """Return which file holds each recorded variable; Parquet before Arrow."""
     tables = folder / "result"
     files = sorted(tables.glob("*.parquet")) or sorted(tables.glob("*.arrows"))
-    if not files:
-        raise FmuError(f"{folder}: no result/*.parquet or result/*.arrows to read")
+    if not tables.is_dir():
+        raise FmuError(f"{folder}: holds no run: there is no folder result in it")
     columns = {}
     for file in files:
         for name in _schema(file).names:
