@@ -7,7 +7,7 @@ usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator import cli_check, cli_fmus, cli_run, cli_study
+from orchestrator import cli_check, cli_fmus, cli_run, cli_second_opinion, cli_study
 
 app = typer.Typer(
     name="feeddrive",
@@ -25,6 +25,7 @@ for verb in (
     cli_run.schedule,
     cli_run.run,
     cli_study.reproduce,
+    cli_second_opinion.second_opinion,
 ):
     app.command()(verb)
 
