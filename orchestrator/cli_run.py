@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from enum import StrEnum
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,8 +21,17 @@ from orchestrator.quantity import rate, time_text
 
 if TYPE_CHECKING:
     from orchestrator.ages import Plan
+    from orchestrator.profile import Profile
     from orchestrator.scenario import Scenario
     from orchestrator.session import Run
+
+
+class Executor(StrEnum):
+    """What carries out the steps; both give the same bits."""
+
+    KERNEL = "kernel"
+    PYTHON = "python"
+
 
 ScenarioName = Annotated[
     str, typer.Argument(metavar="SCENARIO", help="<study>/<scenario>, or a .toml file")
@@ -70,13 +80,25 @@ def run(
         typer.Option("--output", "-o", help="folder of the run [runs/<scenario>]"),
     ] = None,
     fmi: Fmi = None,
+    executor: Annotated[
+        Executor | None,
+        typer.Option(help="what carries out the steps [kernel where it can]"),
+    ] = None,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="say where the time went")
+    ] = False,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
     loaded = load(scenario, sets, swap, map, fmi)
-    done = simulate(loaded, output or Path("runs", loaded.name))
+    done = simulate(
+        loaded,
+        output or Path("runs", loaded.name),
+        executor=executor and executor.value,
+        profile=profile,
+    )
     if json:
         print_json(done.summary())
     else:
@@ -203,4 +225,28 @@ def print_run(done: "Run") -> None:
             f"{done.timing.real_time_factor:.3g} x real time, "
             f"{done.timing.us_per_instant:.3g} us per instant"
         )
+    if done.timing is not None and done.timing.profile is not None:
+        print_profile(done.timing.profile)
     typer.echo(f"written to {done.folder}: report.html, metrics.json, result/")
+
+
+def print_profile(profile: "Profile") -> None:
+    """Print where the time of a run went."""
+    spent = [(f"{n} (FMU)", s.seconds, s.steps) for n, s in profile.components.items()]
+    spent.append(("master: exchange, checks, rows", profile.master_s, 0))
+    spent.append(("files, progress, clock", profile.rest_s, 0))
+    whole = sum(seconds for _, seconds, _ in spent)
+    rows = [
+        [
+            name,
+            f"{seconds:.3g}",
+            f"{100 * seconds / whole:.1f}",
+            f"{steps:,}" if steps else "",
+            f"{1e6 * seconds / steps:.3g}" if steps else "",
+        ]
+        for name, seconds, steps in spent
+    ]
+    head = ["where", ">s", ">%", ">steps", ">us per step"]
+    print_table(head, rows, "Where the time went")
+    if profile.peak_bytes:
+        typer.echo(f"largest resident memory {profile.peak_bytes / 1e6:.0f} MB")

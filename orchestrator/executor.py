@@ -6,6 +6,7 @@ Values move through one vector; every output read is checked to be finite.
 
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.instance import Instance
+from orchestrator.profile import Spent
 from orchestrator.timetable import Op, Program, Timetable
 from orchestrator.wiring import Copy, Part
 
@@ -34,7 +36,10 @@ class Executor:
         instances: Mapping[str, Instance],
         vector: NDArray[np.float64],
         rows: Mapping[str, Callable[[float], None]],
+        *,
+        profiled: bool = False,
     ) -> None:
+        self._profiled = profiled
         self.count = 0
         self._timetable = timetable
         self._seconds = timetable.schedule.seconds
@@ -46,6 +51,8 @@ class Executor:
             for name, part in self._parts.items()
             if part.component.latency
         }
+        names = (*self._parts, None)
+        self._accounts = {name: [0, 0.0] for name in names}
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
     def run(self) -> Iterator[int]:
@@ -63,9 +70,32 @@ class Executor:
                 yield k
 
     def _compile(self, program: Program) -> tuple[Program, list[Action]]:
-        compiled = program, [self._action(op) for op in program]
+        actions = [self._action(op) for op in program]
+        if self._profiled:
+            pairs = zip(actions, program, strict=True)
+            actions = [self._timed(action, op) for action, op in pairs]
+        compiled = program, actions
         self._compiled[id(program)] = compiled
         return compiled
+
+    def _timed(self, action: Action, op: Op) -> Action:
+        in_fmu = op.code in ("advance", "tick", "read", "write")
+        account = self._accounts[op.target if in_fmu else None]
+        steps = op.code in ("advance", "tick")
+
+        def timed(k: int) -> None:
+            begun = perf_counter()
+            action(k)
+            account[0] += steps
+            account[1] += perf_counter() - begun
+
+        return timed
+
+    def spent(self) -> tuple[dict[str, Spent], float]:
+        """Return the time in each FMU and in the master (s), if profiled."""
+        accounts = self._accounts
+        spent = {name: Spent(int(n), s) for name, (n, s) in accounts.items() if name}
+        return spent, accounts[None][1]
 
     def _action(self, op: Op) -> Action:
         seconds = self._seconds

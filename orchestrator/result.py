@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FmuError, did_you_mean
+from orchestrator.profile import Profile
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,11 +34,15 @@ class Signal:
 
 @dataclass(frozen=True)
 class Timing:
-    """How long a run took: ``wall_s`` in all, instants executed, seconds simulated."""
+    """How long a run took: ``wall_s`` in all, instants executed, seconds simulated.
+
+    ``profile`` says where the time went, if that was asked for.
+    """
 
     wall_s: float
     instants: int
     simulated_s: float
+    profile: Profile | None = None
 
     @property
     def real_time_factor(self) -> float:

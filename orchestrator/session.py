@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fmus.units import UnitError
 from orchestrator.compose import Composition, compose
@@ -26,6 +26,9 @@ from orchestrator.metrics import evaluate, refuse_unit
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario import Scenario, load_scenario
+
+if TYPE_CHECKING:
+    from orchestrator.simulate import Choice
 
 Progress = Callable[[Fraction], None]
 
@@ -68,7 +71,8 @@ class Run(Result):
                 "wall_s": timing.wall_s,
                 "real_time_factor": timing.real_time_factor,
                 "us_per_instant": timing.us_per_instant,
-            },
+            }
+            | ({"profile": timing.profile.as_json()} if timing.profile else {}),
             "result": str(self.folder),
         }
 
@@ -102,8 +106,12 @@ def execute(
     *,
     progress: Progress | None = None,
     report: bool = True,
+    executor: "Choice | None" = None,
+    profile: bool = False,
 ) -> Run:
     """Simulate a composition into a folder and evaluate it.
+
+    ``executor`` and ``profile`` as in ``simulate``.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
@@ -113,7 +121,13 @@ def execute(
     refuse_metrics(composition)
     clear(folder, composition)
     write_lock(composition, folder)
-    result = simulate(composition.system, folder, progress=progress)
+    result = simulate(
+        composition.system,
+        folder,
+        progress=progress,
+        executor=executor,
+        profile=profile,
+    )
     spec = composition.scenario.spec
     figures = evaluate(spec.metrics, result, composition.parameter)
     done = Run(result, composition, figures, check(spec.expect, figures))

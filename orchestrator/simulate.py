@@ -12,6 +12,7 @@
 import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from time import perf_counter
@@ -27,6 +28,7 @@ from orchestrator.executor import Executor
 from orchestrator.fmu import FmuDescription, read_fmu
 from orchestrator.initialise import initialise
 from orchestrator.instance import Instance, LocalInstance, LogMessage
+from orchestrator.profile import Profile, Spent
 from orchestrator.recorder import Recorder
 from orchestrator.result import Result, Timing
 from orchestrator.system import System
@@ -46,6 +48,7 @@ class Engine(Protocol):
     count: int
 
     def run(self) -> Iterator[int]: ...
+    def spent(self) -> tuple[Mapping[str, Spent], float]: ...
 
 
 def simulate(
@@ -54,11 +57,13 @@ def simulate(
     *,
     progress: Progress | None = None,
     executor: Choice | None = None,
+    profile: bool = False,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``progress`` is told the time reached (s), about four times a second.
-    ``executor`` is chosen when None.
+    ``executor`` is chosen when None; with ``profile`` the timing of the result
+    says where the time went.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
@@ -78,8 +83,11 @@ def simulate(
         recorder = Recorder(folder / "result", wiring.tables, vector)
         complete = False
         try:
-            engine = _engine(executor, timetable, instances, vector, recorder)
+            engine = _engine(executor, timetable, instances, vector, recorder, profile)
             timing = _execute(timetable, engine, recorder, progress)
+            if profile:
+                where = Profile.of(*engine.spent(), timing.wall_s)
+                timing = replace(timing, profile=where)
             complete = True
         finally:
             recorder.close(complete=complete)
@@ -92,6 +100,7 @@ def _engine(
     instances: Mapping[str, Instance],
     vector: NDArray[np.float64],
     recorder: Recorder,
+    profiled: bool,
 ) -> Engine:
     """Return the executor asked for, else the fastest that works here.
 
@@ -104,7 +113,9 @@ def _engine(
         local = {n: i for n, i in instances.items() if isinstance(i, LocalInstance)}
         if local.keys() == instances.keys():
             try:
-                return Kernel(timetable, local, vector, recorder.tables)
+                return Kernel(
+                    timetable, local, vector, recorder.tables, profiled=profiled
+                )
             except CompileError as error:
                 why, level = f"the kernel cannot be compiled: {error}", logging.WARNING
         else:
@@ -114,7 +125,7 @@ def _engine(
             raise SimulationError(f"executor kernel: {why}; leave the choice open")
         LOG.log(level, "%s; the Python executor is used, which is slower", why)
     rows = {name: table.row for name, table in recorder.tables.items()}
-    return Executor(timetable, instances, vector, rows)
+    return Executor(timetable, instances, vector, rows, profiled=profiled)
 
 
 def plan(system: System) -> Timetable:
