@@ -4,7 +4,8 @@ A ``.toml`` scenario with ``[expect]`` in a test folder is one test: it is run, 
 fails with every expectation not met: value, bound, where it was worst, and the
 report.  Bases (``_name.toml``) and lock files are left alone unless they are
 named on the command line.  The fixtures ``build_fmu``, ``load_fmu``,
-``compose_scenario`` and ``run_scenario`` do the same from Python.
+``compose_scenario`` and ``run_scenario`` do the same from Python;
+``assert_fmu_conforms`` holds an FMU against the standard.
 
 Nothing of feeddrive is imported before a scenario is found or a fixture asked
 for.
@@ -220,3 +221,25 @@ def _scenario(
     beside = test.parent / scenario
     chosen = beside if str(scenario).endswith(".toml") else scenario
     return load_scenario(chosen, overrides, swaps)
+
+
+def assert_fmu_conforms(path: str | Path) -> None:
+    """Fail with the violations that ``feeddrive check`` finds, and how to mend them.
+
+    What is only advised does not fail; an item that could not be run does.
+    """
+    from orchestrator.checks import check_fmu
+
+    lines = []
+    for outcome in check_fmu(Path(path)).outcomes:
+        item = outcome.item
+        where = f"{item.number} {item.part}: {item.title} ({item.clause})"
+        if outcome.verdict == "could not be run":
+            lines.append(f"{where}\n    could not be run: {outcome.reason}")
+        lines += [
+            f"{where}\n    {finding.text}\n    remedy: {finding.mend or item.mend}"
+            for finding in outcome.findings
+            if finding.severity == "error"
+        ]
+    if lines:
+        pytest.fail("\n".join([f"{path} does not conform:", *lines]), pytrace=False)

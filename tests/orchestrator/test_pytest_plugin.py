@@ -2,9 +2,13 @@
 
 import re
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
+
+from fmus.build import build
+from orchestrator.pytest_plugin import assert_fmu_conforms
 
 pytest_plugins = ["pytester"]
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "own_drive"
@@ -25,12 +29,12 @@ def example(pytester: pytest.Pytester) -> pytest.Pytester:
 
 
 def run(pytester: pytest.Pytester, *arguments: str) -> pytest.RunResult:
-    return pytester.runpytest_inprocess("-p", "no:cacheprovider", *arguments)
+    return pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments)
 
 
 def test_the_example_of_the_docs_passes(example: pytest.Pytester) -> None:
     result = run(example)
-    result.assert_outcomes(passed=4)
+    result.assert_outcomes(passed=5)
 
 
 def test_a_composition_that_misses_its_bounds_fails_and_says_where(
@@ -85,7 +89,7 @@ def test_only_scenarios_with_expectations_are_collected(
     example: pytest.Pytester, name: str, text: str, collected: int
 ) -> None:
     (example.path / "tests" / name).write_text(text)
-    result = run(example, "--collect-only", "-q")
+    result = example.runpytest_inprocess("--collect-only", "-q")
     listed = [line for line in result.outlines if line.startswith(f"tests/{name}")]
     assert len(listed) == collected
 
@@ -104,3 +108,19 @@ def test_a_run_without_scenarios_imports_nothing_of_ours(
         """
     )
     pytester.runpytest_subprocess().assert_outcomes(passed=1)
+
+
+def test_an_fmu_that_violates_the_standard_is_refused_with_the_clause(
+    tmp_path: Path,
+) -> None:
+    sound = build(str(EXAMPLE / "models" / "speed_pi.py"), folder=tmp_path)
+    broken = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(sound) as old, zipfile.ZipFile(broken, "w") as new:
+        for item in old.infolist():
+            content = old.read(item)
+            if item.filename == "modelDescription.xml":
+                content = content.replace(b"<Outputs>", b"<Outputs/><Was>")
+                content = content.replace(b"</Outputs>", b"</Was>")
+            new.writestr(item, content)
+    with pytest.raises(pytest.fail.Exception, match=r"does not conform[\s\S]*remedy:"):
+        assert_fmu_conforms(broken)

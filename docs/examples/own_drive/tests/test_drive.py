@@ -4,7 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.pytest_plugin import assert_fmu_conforms
+
 MODELS = Path(__file__).parents[1] / "models"
+
+
+def test_the_controller_fmu_keeps_to_the_standard(build_fmu):
+    assert_fmu_conforms(build_fmu(MODELS / "speed_pi.py"))
 
 
 def test_the_integral_part_grows_with_the_error(build_fmu, load_fmu):
