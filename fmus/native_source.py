@@ -7,10 +7,13 @@ adapters must know about them (``model.h`` declares it).
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fmus.layout import Layout, Variable
 from fmus.model import Continuous, Model
-from fmus.trace import Traced, c_code
+
+if TYPE_CHECKING:  # imports CasADi, which only new builds need
+    from fmus.trace import Traced
 
 NATIVE = Path(__file__).with_name("native")
 MODEL_DATA = "model_data.c"
@@ -38,7 +41,7 @@ def adapter_sources() -> dict[str, str]:
 
 
 def native_sources(
-    model: Model, traced: Traced, layout: Layout, identifier: str, token: str
+    model: Model, traced: "Traced", layout: Layout, identifier: str, token: str
 ) -> dict[str, str]:
     """Return the generated C files by name: equations and data of one model.
 
@@ -47,6 +50,8 @@ def native_sources(
     Raises:
         ValueError: a delay names no input or parameter, or their sizes differ.
     """
+    from fmus.trace import c_code
+
     parts = [
         _QUIET,
         c_code(model, traced),
@@ -108,7 +113,7 @@ def _named(model: Model, layout: Layout, block: str, name: str) -> Variable:
 
 
 def _model(
-    model: Model, traced: Traced, layout: Layout, identifier: str, token: str
+    model: Model, traced: "Traced", layout: Layout, identifier: str, token: str
 ) -> str:
     functions = traced.functions.values()
     offset, count = layout.offset, layout.count

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fmus.model import is_record, leaves
+from orchestrator.design_cache import remembered
 from orchestrator.errors import DesignError, FeedDriveError, did_you_mean
 from orchestrator.result import Signal
 from orchestrator.scenario_schema import DesignSpec, parse_value
@@ -48,12 +49,13 @@ def run_step(
             no finite parameters; the message names the step.
     """
     try:
-        function = find_function(step.call)
         told = {k: _argument(v, lookup) for k, v in step.arguments.items()}
         given = dict(told)
         if step.from_run is not None:
             given |= _signals(step, earlier(step.from_run))
-        values = call(function, given)
+        values = remembered(
+            step.call, given, lambda: call(find_function(step.call), given)
+        )
     except DesignError as error:
         raise DesignError(f"design.{name}: {error}") from None
     except FeedDriveError as error:

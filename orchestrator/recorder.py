@@ -103,7 +103,7 @@ class Table:
         n = int(self.count[0])
         if not n:
             return
-        columns = [self._pa.array(values) for values in self._converted(n)]
+        columns = [self._column(values) for values in self._converted(n)]
         self.count[0] = 0
         try:
             batch = self._pa.record_batch(columns, schema=self._schema)
@@ -114,6 +114,11 @@ class Table:
                 f"{self.path}: rows cannot be written ({error}); free some space or "
                 f"record less; the rows before stay readable"
             ) from None
+
+    def _column(self, values: NDArray[np.float64]) -> Any:
+        """Return an Arrow array on the same memory (``pa.array`` imports pandas)."""
+        buffers = [None, self._pa.py_buffer(values)]
+        return self._pa.Array.from_buffers(self._pa.float64(), len(values), buffers)
 
     def _converted(self, n: int) -> Iterator[NDArray[np.float64]]:
         yield self.time[:n]

@@ -117,7 +117,8 @@ def _read(file: Path, columns: list[str] | None = None) -> Any:
     import pyarrow.parquet
 
     if file.suffix == ".parquet":
-        return pyarrow.parquet.read_table(file, columns=columns)
+        with pyarrow.parquet.ParquetFile(file) as parquet:  # read_table imports pandas
+            return parquet.read(columns=columns)
     batches = []
     with pyarrow.ipc.open_stream(file) as reader:
         schema = reader.schema
