@@ -32,6 +32,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.simulation = Simulation(self.model)
         self.stepping = False
         self.time = 0.0
+        self.stop_time = np.inf
         self.refusal: str | None = None
         variables = self.simulation.layout.variables
         self.owners = {r: v for v in variables for _, r in v.elements()}
@@ -42,8 +43,9 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         stop_time: float | None = None,
         tolerance: float | None = None,
     ) -> None:
-        """Take the start time (s); the other two mean nothing here."""
+        """Take start and stop time (s); the tolerance means nothing here."""
         self.time = self.simulation.start_time = start_time
+        self.stop_time = np.inf if stop_time is None else stop_time
 
     def exit_initialization_mode(self) -> None:
         """Publish the initial outputs; from now on only steps change them."""
@@ -148,11 +150,15 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def _check_step(self, t: float, h: float) -> None:
         if self.refusal is not None:
             raise ValueError(f"no step after a refusal: {self.refusal}")
+        if not self.stepping:
+            raise ValueError("no step before initialization has ended")
         if not (h > 0 and np.isfinite(h)):
             raise ValueError(f"a step of {h} s is no step")
         rounding = 1e-9 * h + 8 * np.finfo(float).eps * abs(self.time)
         if not abs(t - self.time) <= rounding:
             raise ValueError(f"it stands at {self.time} s and cannot step from {t} s")
+        if t + h > self.stop_time + rounding:
+            raise ValueError(f"a step to {t + h} s goes past {self.stop_time} s")
         for reference in self.simulation.delays.values():
             if self.simulation.values[reference] < 0:
                 raise ValueError(f"{self.owners[reference].name} is a negative delay")

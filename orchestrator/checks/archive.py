@@ -82,7 +82,7 @@ class Archive:
         by_item: dict[int, list[str]] = {}
         for problem in found:
             number = next((n for n, topic in TOPICS if re.search(topic, problem)), 2)
-            by_item.setdefault(number, []).append(problem)
+            by_item.setdefault(number, []).append(problem.partition("\n")[0])
         return by_item
 
     def interfaces(self) -> list[Any]:

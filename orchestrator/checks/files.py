@@ -1,5 +1,6 @@
 """Static items about the archive and its files."""
 
+import posixpath
 import re
 from collections.abc import Iterator
 from datetime import datetime
@@ -68,7 +69,7 @@ def schema(fmu: Archive) -> Iterator[Said]:
         yield Finding(f"the document is encoded in {encoding}, not UTF-8")
     made = fmu.root.get("generationDateAndTime")
     if made is not None and not _is_utc(made):
-        yield Finding(
+        yield advice(
             f"generationDateAndTime = {made!r} is no UTC time such as "
             f"2026-11-22T10:00:00Z"
         )
@@ -221,7 +222,7 @@ def sources_listed(fmu: Archive) -> Iterator[Said]:
     if not listed:
         yield Finding("sources/ is there, but no source file is listed")
     for name in listed:
-        if name not in there:
+        if posixpath.normpath(name) not in there:
             yield Finding(f"sources/{name} is listed, but is not there")
     if fmu.major == 3:
         build = "sources/buildDescription.xml"

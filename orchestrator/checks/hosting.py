@@ -85,6 +85,7 @@ def sources(lab: Laboratory) -> Iterator[Said]:
     if not files:
         raise NotApplicable("it has no sources")
     from fmus.compile import PLATFORMS, CompileError, host_platform
+    from fmus.native_source import adapter_sources
 
     try:
         target = PLATFORMS[host_platform()]
@@ -99,10 +100,24 @@ def sources(lab: Laboratory) -> Iterator[Said]:
     if (lab.folder / "resources").is_dir():
         shutil.copytree(lab.folder / "resources", folder / "resources")
     library = binaries / f"{lab.description.model_identifier}{target.suffix}"
+    headers = folder / "headers"  # those of the standard need not be in the archive
+    headers.mkdir()
+    for name, text in adapter_sources().items():
+        if name.startswith(("fmi2", "fmi3")) and name.endswith(".h"):
+            (headers / name).write_text(text, encoding="utf-8")
     lab.trying("compiling the sources")
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
     command += ["-shared", "-fPIC", "-O2", "-Wall", "-ffp-contract=off"]
-    command += ["-mcpu=baseline", "-I.", "-o", str(library), *files, "-lm"]
+    command += [
+        "-mcpu=baseline",
+        "-I.",
+        "-idirafter",
+        str(headers),
+        "-o",
+        str(library),
+        *files,
+        "-lm",
+    ]
     done = subprocess.run(
         command,
         cwd=lab.folder / "sources",
@@ -117,7 +132,8 @@ def sources(lab: Laboratory) -> Iterator[Said]:
         if "warning:" in line or "error:" in line
     ]
     if done.returncode:
-        told = complaints[0] if complaints else done.stderr[-200:]
+        errors = [line for line in complaints if "error:" in line]
+        told = errors[0] if errors else done.stderr[-200:]
         yield Finding(f"the sources do not compile: {told}")
         return
     if complaints:

@@ -88,6 +88,9 @@ class Face:
         else:
             self.fmu.doStep(t, h)
 
+    def forget(self) -> None:
+        """Hear no more of the instance, which is gone."""
+
     def get(self, variable: FmuVariable) -> list[Any]:
         raise NotImplementedError
 
@@ -122,17 +125,26 @@ class Face:
             self.fmu.enterContinuousTimeMode()
 
 
+_LISTENERS: dict[bytes | None, Log] = {}
+
+
+def _hear(_env: Any, name: Any, status: int, category: Any, text: Any) -> None:
+    latest = next(reversed(_LISTENERS.values()), None)
+    if listener := _LISTENERS.get(name, latest):
+        listener(status, category, text)
+
+
+# One for all: fmpy's proxy, which formats the messages, keeps only the last it got.
+_LOGGER = fmi2CallbackLoggerTYPE(_hear)
+
+
 class Face2(Face):
     """FMI 2.0."""
 
     def instantiate(self, log: Log, logging: bool) -> None:
-        def message(
-            _env: Any, _name: Any, status: int, category: Any, text: Any
-        ) -> None:
-            log(status, category, text)
-
+        _LISTENERS[self.fmu.instanceName.encode()] = log
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(message)
+        callbacks.logger = _LOGGER
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         addLoggerProxy(byref(callbacks))
@@ -140,6 +152,9 @@ class Face2(Face):
             self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
         except Exception:  # fmpy's way to say that there is no instance
             self.fmu.component = None
+
+    def forget(self) -> None:
+        _LISTENERS.pop(self.fmu.instanceName.encode(), None)
 
     def enter(self, start: float, stop: float | None, tol: float | None) -> None:
         self.fmu.setupExperiment(tolerance=tol, startTime=start, stopTime=stop)

@@ -8,6 +8,7 @@ stepped by forward Euler, which is enough to see whether two runs agree.
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -42,6 +43,7 @@ class Laboratory:
     tell: Callable[[str], None]
     printed: Callable[[], bytes]
     kept: dict[str, Any] = field(default_factory=dict)
+    attempt: str = ""
 
     @property
     def kind(self) -> Kind:
@@ -86,8 +88,13 @@ class Laboratory:
         ]
 
     def trying(self, text: str) -> None:
-        """Say what is being done, for whoever has to explain a crash."""
+        """Say what is being tried, for whoever has to explain a crash."""
+        self.attempt = text
         self.tell(text)
+
+    def doing(self, text: str) -> None:
+        """Say which call comes next in what is being tried."""
+        self.tell(f"{self.attempt}: {text}" if self.attempt else text)
 
     @contextmanager
     def instance(self, name: str = "one", **options: Any) -> Iterator["Instance"]:
@@ -104,6 +111,21 @@ class Laboratory:
         with self.instance(name, **options) as instance:
             instance.begin()
             yield instance
+
+    @cached_property
+    def watched(self) -> list[FmuVariable]:
+        """Every variable with numbers that may change while stepping."""
+        return [
+            v
+            for v in self.description.variables.values()
+            if v.causality in ("output", "local")
+            and v.sort != "string"
+            and v.fmi_type not in ("Binary", "Clock")
+        ]
+
+    def column(self, place: int) -> str:
+        """Return the name of a place in a row."""
+        return [v.name for v in self.watched for _ in range(v.size)][place]
 
     def trajectory(self, count: int = STEPS, **options: Any) -> Row:
         """Return the rows of a run with moving inputs, from start values."""
@@ -126,12 +148,12 @@ class Instance:
         self.lab = lab
         self.messages: list[tuple[int, str, str]] = []
         self.time = 0.0
-        lab.trying("loading the library")
+        lab.doing("loading the library")
         self.face = load(lab.kind, lab.description, folder or lab.folder, name, token)
         self.face.number_of_states = len(lab.model.derivatives)
         self.fmu = self.face.fmu
         self.freed = self.initialised = False
-        lab.trying(f"instantiating {name!r}")
+        lab.doing(f"instantiating {name!r}")
         self.face.instantiate(self._message, logging)
 
     @property
@@ -151,7 +173,7 @@ class Instance:
     def enter(
         self, start: float = 0.0, stop: float | None = None, tol: float | None = None
     ) -> None:
-        self.lab.trying("entering initialisation")
+        self.lab.doing("entering initialisation")
         if not self.exists:
             said = "; ".join(text for *_, text in self.messages[-3:])
             raise CannotRun(f"no instance could be made: {said or 'it says no more'}")
@@ -159,7 +181,7 @@ class Instance:
         self.face.enter(start, stop, tol)
 
     def leave(self) -> None:
-        self.lab.trying("leaving initialisation")
+        self.lab.doing("leaving initialisation")
         self.face.leave()
         self.initialised = True
 
@@ -170,7 +192,7 @@ class Instance:
     def run(self, count: int, *, excited: bool = True, h: float | None = None) -> Row:
         """Step ``count`` times; return a row of all values after each."""
         size, first = h or self.lab.h, self.time
-        self.lab.trying(f"stepping {count} times by {size:g} s")
+        self.lab.doing(f"stepping {count} times by {size:g} s")
         rows = []
         for k in range(count):
             if excited:
@@ -188,11 +210,8 @@ class Instance:
     def row(self) -> Row:
         """Return all numbers that may change, in the order of the description."""
         values: list[float] = []
-        for variable in self.lab.description.variables.values():
-            if variable.sort == "string" or variable.fmi_type in ("Binary", "Clock"):
-                continue
-            if variable.causality in ("output", "local"):
-                values.extend(map(float, self.get(variable)))
+        for variable in self.lab.watched:
+            values.extend(map(float, self.get(variable)))
         return np.array(values)
 
     def get(self, variable: FmuVariable) -> list[Any]:
@@ -210,13 +229,13 @@ class Instance:
         return OK
 
     def free(self) -> None:
-        if self.freed or not self.exists:
-            return
+        if self.exists and not self.freed:
+            self.lab.doing("freeing the instance")
+            if self.initialised:
+                self.status(self.fmu.terminate)
+            self.fmu.freeInstance()
         self.freed = True
-        self.lab.trying("freeing the instance")
-        if self.initialised:
-            self.status(self.fmu.terminate)
-        self.fmu.freeInstance()
+        self.face.forget()
 
 
 def start_of(variable: FmuVariable) -> list[Any]:
@@ -249,9 +268,7 @@ def excitation(variable: FmuVariable, part: float) -> list[float]:
 
 def same(one: Row, other: Row, rtol: float = 0.0) -> bool:
     """Tell whether two tables are equal, or within ``rtol`` of their columns' size."""
-    if one.shape != other.shape:
-        return False
-    if rtol == 0.0:
+    if rtol == 0.0 or one.shape != other.shape:
         return bool(np.array_equal(one, other, equal_nan=True))
     scale = np.maximum(np.max(np.abs(one), axis=0, initial=0), 1e-9)
     return bool(np.all(np.abs(one - other) <= rtol * scale))

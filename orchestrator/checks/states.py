@@ -10,10 +10,6 @@ from orchestrator.checks.laboratory import STEPS, Laboratory, same
 HALF = STEPS // 2
 
 
-def _flag(lab: Laboratory, verb: str) -> str:
-    return f"{verb}FMUstate" if lab.description.fmi_major == 2 else f"{verb}FMUState"
-
-
 @dynamic(
     19,
     "A saved state continues bit by bit",
@@ -21,7 +17,7 @@ def _flag(lab: Laboratory, verb: str) -> str:
     "put everything that influences later values into the state, time included",
 )
 def saved(lab: Laboratory) -> Iterator[Said]:
-    lab.needs(_flag(lab, "canGetAndSet"))
+    lab.needs("canGetAndSetFMUstate")
     with lab.running() as one:
         one.run(HALF)
         lab.trying("saving the state")
@@ -61,7 +57,7 @@ def _elsewhere(lab: Laboratory) -> Iterator[Said]:
     then=_elsewhere,
 )
 def written(lab: Laboratory) -> Iterator[Said]:
-    lab.needs(_flag(lab, "canSerialize"))
+    lab.needs("canSerializeFMUstate")
     with lab.running() as one:
         one.run(HALF)
         lab.trying("writing the state")

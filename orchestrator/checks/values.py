@@ -111,8 +111,7 @@ def burnt_in(lab: Laboratory) -> Iterator[Said]:
     "differentiate the equations that are evaluated",
 )
 def directional(lab: Laboratory) -> Iterator[Said]:
-    fmi2 = lab.description.fmi_major == 2
-    lab.needs(f"providesDirectionalDerivative{'' if fmi2 else 's'}")
+    lab.needs("providesDirectionalDerivative")
     unknowns = [u.variable.name for u in lab.model.outputs]
     outputs = [lab.description[n] for n in unknowns if not lab.description[n].shape]
     inputs = [
@@ -234,15 +233,19 @@ def refusals(lab: Laboratory) -> Iterator[Said]:
                 )
         for what, attempt in attempts:
             lab.trying(f"trying whether {what}")
+            one.messages.clear()
             status = one.status(attempt, one)
-            if status == OK:
+            if status == OK and not one.messages:
                 yield advice(f"{what} without an objection")
+            elif status == OK:
+                yield f"{what}: returns OK, objects by a message only"
             elif status >= FATAL:
                 yield Finding(f"{what}: returns Fatal, which ends every instance")
                 return
-        lab.trying("stepping after refusals")
-        if (status := one.status(one.run, 2)) != OK:
-            yield advice(f"after a refusal a step returns {STATUS[status]}")
+        lab.trying("resetting after refusals")
+        one.fmu.reset()
+        one.begin()
+        one.run(2)
     with lab.instance("early") as early:
         if lab.kind == "co-simulation":
             lab.trying("stepping before initialisation")
@@ -262,6 +265,7 @@ def _unknown(one: Instance) -> None:
     "NaN, infinity and huge numbers do no lasting harm",
     "FMI 2.0.5 section 2.1.3; implementers' guide 3",
     "refuse the value, or give NaN; a reset has to bring the model back",
+    seconds=10.0,
 )
 def wild_numbers(lab: Laboratory) -> Iterator[Said]:
     inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
