@@ -13,6 +13,8 @@ from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple
 
+from fmus import unit_cache
+
 FACTOR = re.compile(r"(?P<name>[A-Za-zµμΩ°%_]+)(?P<exponent>[+-]?\d+)?|(?P<one>1)")
 BASE = {
     "gram": "kg",
@@ -158,6 +160,17 @@ def _registry() -> Any:
 
 @cache
 def _named(name: str) -> _Unit:
+    """Return a named unit, from the cache where pint was asked before."""
+    known = unit_cache.read()
+    if name in known:
+        exponents, factor, offset = known[name]
+        return _Unit(exponents, Decimal(factor), Decimal(offset))
+    unit = _look_up(name)
+    unit_cache.add(name, (dict(unit.exponents), str(unit.factor), str(unit.offset)))
+    return unit
+
+
+def _look_up(name: str) -> _Unit:
     try:
         registry = _registry()
         zero, one, two = (

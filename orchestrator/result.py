@@ -74,8 +74,10 @@ class Result(Mapping[str, Signal]):
             ) from None
         table = _read(file, ["time", name])
         unit = table.schema.field(name).metadata[b"unit"].decode()
-        time, values = (table[c].to_numpy() for c in ("time", name))
-        return Signal(name, time, values, unit)
+        return Signal(name, _numbers(table["time"]), _numbers(table[name]), unit)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
@@ -87,6 +89,12 @@ class Result(Mapping[str, Signal]):
         """Return one data frame per row rate, indexed by time (needs pandas)."""
         files = dict.fromkeys(self._columns.values())
         return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
+
+
+def _numbers(column: Any) -> NDArray[np.float64]:
+    """Return a chunked Arrow column (its ``to_numpy`` imports pandas)."""
+    chunks = [np.from_dlpack(chunk) for chunk in column.chunks]
+    return np.concatenate(chunks) if chunks else np.empty(0)
 
 
 def _columns(folder: Path) -> dict[str, Path]:
