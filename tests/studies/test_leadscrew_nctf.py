@@ -43,7 +43,7 @@ def mechanism(
 ) -> Callable[[list[float], float], float]:
     """Return a function that moves [θ, x, ω, v, z] over T at a command (A), in place.
 
-    It returns the highest |ω| of its last micro-step, by which sticking is told.
+    It returns |ω| at the end, by which sticking is told.
     """
     J, K_m, r, sigma_0, sigma_1 = 1.81e-4, 0.172, 2e-3 / (2 * np.pi), 107.0, 0.03
     h, exp = 1e-5, np.exp
@@ -129,16 +129,15 @@ def test_the_composition_of_fmus_equals_a_monolithic_simulation(
     move = mechanism(*TAB[axis])
     s = [0.0] * 5
     q = 1.24e-9
-    stuck = len(x)
+    stuck = False
     for k in range(len(x)):
         y = 1e3 * q * np.floor(s[1] / q + 0.5)
         command = law(1e3 * height, y)
-        within = 1e-9 if k <= stuck else 1e-6
-        assert abs(s[1] - x[k]) <= within * height, f"x at {k * T:.4f} s"
-        assert abs(command - u[k]) <= within * 1e3 * max(6.0, abs(u[k])), k
+        assert abs(s[1] - x[k]) <= 1e-9 * height, f"x at {k * T:.4f} s"
+        assert abs(command - u[k]) <= 1e-9 * 6, f"u at {k * T:.4f} s"
         speed = move(s, command)
-        if stuck == len(x) and k > 100 and speed < 1e-6:
-            stuck = k + 1
+        stuck |= k > 100 and speed < 1e-6
+    assert stuck  # the agreement holds beyond the first sticking
 
 
 def test_a_pulse_travels_as_far_as_published_and_its_trajectory_is_that_of_the_dossier(
@@ -209,7 +208,9 @@ def test_point_to_point_and_continuous_control_are_the_same_law_for_steps(
         ("open_loop", "", ("x.final", "y.final"), 1e-3),
         ("step_cal", "reference.height=0.01", ("y.rise", "x.rise"), 1e-3),
         ("step_cal", "reference.height=0.01", ("y.settling", "x.settling"), T),
-        ("circle_5mm", "", ("x.peak", "y.peak", "radial.peak"), 1e-3),
+        ("circle_5mm", "", ("y.peak",), 1e-3),
+        # the heavy axis moves at the edge of stability: docs/studies
+        ("circle_5mm", "", ("x.peak", "radial.peak"), 0.05),
     ],
 )
 def test_halving_the_micro_step_changes_no_figure(
