@@ -6,14 +6,14 @@ asked for it (``unpacked`` does so at the end of its block).
 """
 
 import stat
-import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from orchestrator.errors import FmuError
+from orchestrator.temporary import temporary_folder
 
 # what zipfile raises on damaged data
 DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)
@@ -88,12 +88,14 @@ def read_member(path: Path, name: str) -> bytes:
 
 
 @contextmanager
-def unpacked(path: Path) -> Iterator[Path]:
-    """Unpack an FMU into a new temporary folder and delete it afterwards."""
-    members = checked_members(path)
-    with tempfile.TemporaryDirectory(
-        prefix="feeddrive-", ignore_cleanup_errors=True
-    ) as folder:
+def unpacked(path: Path, without: Sequence[str] = ()) -> Iterator[Path]:
+    """Unpack an FMU into a new temporary folder and delete it afterwards.
+
+    Members whose names begin with one of ``without`` are left out.
+    """
+    left_out = tuple(without)
+    members = [m for m in checked_members(path) if not m.filename.startswith(left_out)]
+    with temporary_folder() as folder:
         try:
             with zipfile.ZipFile(path) as archive:
                 archive.extractall(folder, members)
@@ -102,4 +104,4 @@ def unpacked(path: Path) -> Iterator[Path]:
                 f"{path}: cannot be unpacked ({error}); the archive is damaged or "
                 f"the disk is full"
             ) from None
-        yield Path(folder)
+        yield folder

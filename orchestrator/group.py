@@ -56,7 +56,8 @@ class Group:
         first: int = 0,
     ) -> None:
         kind = variables[0].fmi_type
-        fmi2 = instance.description.fmi_major == 2
+        self.major = instance.description.fmi_major
+        fmi2 = self.major == 2
         if fmi2:
             kind = _FMI2[kind]
         elif kind == "Enumeration":

@@ -28,11 +28,23 @@ from orchestrator.group import STATUS, WARNING, Group, groups
 
 
 class Instance(Protocol):
-    """What the master needs of an FMU instance, wherever it runs."""
+    """What the master needs of an FMU instance, wherever it runs.
+
+    After ``bind``, the kernel calls ``do_step`` on ``slave`` in the way of FMI
+    ``step_major``, and the functions of the groups in that of their own ``major``.
+    """
 
     name: str
     description: FmuDescription
+    clock: ctypes.c_double
+    slave: Any
+    do_step: Any
+    inputs: list[Group]
+    outputs: list[Group]
 
+    @property
+    def step_major(self) -> int: ...
+    def failed_step(self, h: float, status: int) -> SimulationError: ...
     def instantiate(self) -> None: ...
     def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
     def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
@@ -98,6 +110,10 @@ class LocalInstance:
                 f"{description.path} ({name}): its library cannot be loaded: {error}; "
                 f"check with `ldd` which system library it lacks"
             ) from None
+
+    @property
+    def step_major(self) -> int:
+        return self.description.fmi_major
 
     @property
     def time(self) -> float:
@@ -244,6 +260,20 @@ class LocalInstance:
         with suppress(Exception):
             self._fmu.freeInstance()
         self.slave = None
+
+
+def load(
+    name: str,
+    description: FmuDescription,
+    folder: Path,
+    log: Callable[[str, LogMessage], None],
+) -> LocalInstance:
+    """Load an FMU into this process.
+
+    Raises:
+        FmuError: its library cannot be loaded here.
+    """
+    return LocalInstance(name, description, folder, log)
 
 
 _SPEAKERS: WeakValueDictionary[str, LocalInstance] = WeakValueDictionary()

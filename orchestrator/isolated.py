@@ -1,29 +1,53 @@
-"""An FMU instance in a process of its own, for FMUs that bring an interpreter.
+"""An FMU instance in a process of its own; what it does there cannot harm the run.
 
-Two Python FMUs in one interpreter can silently run each other's code, and a
-crash of theirs must not take the run along.  The child is spawned with no
-state of ours; requests and answers go through one pipe, one round trip per
-step (inputs with it, outputs back).  A child that dies or does not answer
-ends the run with an error naming the FMU.
+The child is spawned with nothing of the caller's script and runs
+``isolated_child.serve``.  Before the run and at its end, requests and answers go
+through a pipe.  While running, values lie in memory that both processes map (a
+file in the FMU's folder) and channel.c hands requests over; where there is no
+compiler for it, the handing over goes through the pipe too.
+
+A child that dies, or does not answer in time, ends the run with an error naming
+the FMU and what it was doing.  ``close`` leaves neither process nor file behind;
+a child whose master dies ends by itself.
 """
 
+import ctypes
+import mmap
 import multiprocessing as mp
-from collections.abc import Callable, Sequence
+import os
+import queue
+import signal
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import wait
 from pathlib import Path
+from threading import Thread
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.errors import FeedDriveError, SimulationError
+from fmus.compile import CompileError
+from orchestrator import kernel_library as c
+from orchestrator.errors import SimulationError
 from orchestrator.fmu import FmuDescription, FmuVariable
-from orchestrator.instance import LocalInstance, LogMessage
+from orchestrator.group import Group
+from orchestrator.instance import LogMessage
+from orchestrator.isolated_child import CHANNEL, serve
+from orchestrator.system import Isolation
 
-ANSWER_WITHIN = 60.0  # s; longer means the FMU hangs
+REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
+ENDING_WITHIN = 5.0  # s for a child to free its FMU
+SPINS = 20  # pauses of the processor before a waiting side yields
 
 
 class IsolatedInstance:
     """The same calls as ``LocalInstance``, carried out by a child process."""
+
+    step_major = 2  # channel_step is called like fmi2DoStep
 
     def __init__(
         self,
@@ -31,21 +55,38 @@ class IsolatedInstance:
         description: FmuDescription,
         folder: Path,
         log: Callable[[str, LogMessage], None],
+        isolation: Isolation,
     ) -> None:
-        self.name = name
-        self.description = description
-        self._log = log
-        self._inputs: tuple[int, int] = (0, 0)
-        self._outputs: tuple[int, int] = (0, 0)
-        self._read: list[float] | None = None
-        self._pending: list[float] = []
-        context = mp.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        arguments = (theirs, name, description, folder)
-        self._child: Any = context.Process(target=_serve, args=arguments, daemon=True)
-        self._child.start()
+        self.name, self.description = name, description
+        self.clock = ctypes.c_double(0.0)
+        self.inputs: list[Group] = []
+        self.outputs: list[Group] = []
+        self.do_step: Any = None
+        self._isolation, self._folder, self._log = isolation, folder, log
+        self._requests: deque[str] = deque(maxlen=4)
+        self._said: deque[LogMessage] = deque(maxlen=3)
+        self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        self._channel: c.Channel | None = None
+        self._waiting = False
+        try:
+            self._library: Any = c.library()
+        except CompileError:
+            self._library = None
+        spins = SPINS if (os.cpu_count() or 1) > 1 else 0
+        self._link = c.Link(within=isolation.answer_within, spins=spins)
+        self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
+        self._pipe, theirs = mp.get_context("spawn").Pipe()
+        limit = isolation.memory_limit
+        childs = spins if self._library else None
+        self._child = _spawn(theirs, name, description, folder, limit, childs)
         theirs.close()
-        self._answer("load")
+        self._listener = Thread(target=self._listen, daemon=True)
+        self._listener.start()
+        try:
+            self._answer("load")
+        except BaseException:
+            self.close()
+            raise
 
     def instantiate(self) -> None:
         self._ask("instantiate")
@@ -54,6 +95,7 @@ class IsolatedInstance:
         self._ask("write", list(variables), values)
 
     def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+        self._deliver()
         answer: list[float] = self._ask("read", list(variables))
         return answer
 
@@ -61,8 +103,7 @@ class IsolatedInstance:
         self._ask("enter_initialization", start)
 
     def exit_initialization(self) -> None:
-        self._ask("exchange", self._pending)
-        self._pending, self._read = [], None
+        self._deliver()
         self._ask("exit_initialization")
 
     def bind(
@@ -73,117 +114,252 @@ class IsolatedInstance:
         outputs: Sequence[FmuVariable],
         first_output: int,
     ) -> None:
-        self._vector = vector
-        sizes = [sum(v.size for v in group) for group in (inputs, outputs)]
-        self._inputs = (first_input, first_input + sizes[0])
-        self._outputs = (first_output, first_output + sizes[1])
-        self._ask("bind", list(inputs), list(outputs), *sizes)
+        n, m = (sum(v.size for v in group) for group in (inputs, outputs))
+        size = ctypes.sizeof(c.Channel) + 8 * (n + m)
+        with (self._folder / CHANNEL).open("x+b") as file:
+            file.write(bytes(size))  # its space is taken now, not at a later fault
+            file.flush()
+            self._memory = mmap.mmap(file.fileno(), size)
+        channel = c.Channel.from_buffer(self._memory)
+        channel.doing = len(c.DOING)
+        self._ask("bind", list(inputs), list(outputs))
+        self._channel, self._names = channel, [v.name for v in inputs]
+        self._link.channel, self._link.stale = ctypes.addressof(channel), 1
+        self._link.n_inputs, self._link.n_outputs = n, m
+        values = np.frombuffer(self._memory, offset=ctypes.sizeof(channel))
+        self._to = values[:n], vector[first_input : first_input + n]
+        self._from = vector[first_output : first_output + m], values[n:]
+        if self._library is not None:
+            self.do_step = self._library.channel_step
+            functions = self._library.channel_get, self._library.channel_set
+            if n:
+                self.inputs = [_Bundle(self, vector, first_input, n, *functions)]
+            if m:
+                self.outputs = [_Bundle(self, vector, first_output, m, *functions)]
 
     def push(self) -> None:
-        first, last = self._inputs
-        self._pending = self._vector[first:last].tolist()
-        self._read = None
+        to, values = self._to
+        to[:] = values
+        assert self._channel is not None
+        self._channel.given = self._link.stale = 1
 
     def step(self, t: float, h: float) -> None:
-        self._read = self._ask("step", self._pending, t, h)
+        self.clock.value = t
+        if self._library is not None:
+            if status := self.do_step(self.slave, t, h, 1):
+                raise self.failed_step(h, status)
+            return
+        assert self._channel is not None
+        self._channel.t, self._channel.h = t, h
+        self._channel.steps += 1
+        self._ask("step")
+        self._link.stale = 0
 
     def pull(self) -> None:
-        if self._read is None:
-            self._read = self._ask("exchange", self._pending)
-        first, last = self._outputs
-        self._vector[first:last] = self._read
+        if self._link.stale:
+            self._exchange()
+        to, values = self._from
+        to[:] = values
+
+    def failed_step(self, h: float, status: int) -> SimulationError:
+        """Return the error for a request through the channel that went wrong."""
+        if status == REFUSED:
+            try:
+                self._answer("doStep")
+            except SimulationError as error:
+                return error
+        if status == INTERRUPTED:
+            return SimulationError(f"{self.name}: a signal interrupted {self._doing()}")
+        return self._late() if status == LATE else self._died(self._doing())
 
     def close(self) -> None:
         """Ask the child to free the instance and end; kill it if it does not."""
-        if self._child.is_alive():
-            try:
+        self._link.within = min(self._link.within, ENDING_WITHIN)
+        if self._child.is_alive() and not self._occupied():
+            with suppress(OSError, SimulationError):
+                self._leave()
                 self._pipe.send(("close",))
-                self._child.join(5)
-            except OSError:
-                pass
-            if self._child.is_alive():
-                self._child.kill()
-                self._child.join()
+                self._child.join(ENDING_WITHIN)
+        self._kill()
+        self._child.join()
+        self._listener.join()
         self._pipe.close()
+        if self._channel is not None:
+            self._link.channel, self._channel = None, None
+            del self._to, self._from
+            with suppress(BufferError):
+                self._memory.close()
+
+    def _occupied(self) -> bool:
+        channel = self._channel
+        busy = channel is not None and channel.asked != channel.answered
+        return self._waiting or busy
+
+    def _kill(self) -> None:
+        """Kill the child, if it is alive, and the tools that it started."""
+        if sys.platform == "win32":
+            self._child.kill()
+            return
+        with suppress(OSError):
+            os.killpg(self._child.pid, signal.SIGKILL)
+        self._child.kill()
+
+    def _deliver(self) -> None:
+        """Let inputs that were pushed reach the FMU."""
+        if self._channel is not None and self._channel.given:
+            self._exchange()
+
+    def _exchange(self) -> None:
+        if self._library is None:
+            self._ask("exchange")
+            self._link.stale = 0
+        elif status := self._library.channel_ask(self.slave, c.ASK.index("exchange")):
+            raise self.failed_step(0.0, status)
+
+    def _leave(self) -> None:
+        if self._channel is None or self._library is None:
+            return
+        if status := self._library.channel_ask(self.slave, c.ASK.index("leave")):
+            raise self.failed_step(0.0, status)
 
     def _ask(self, request: str, *arguments: Any) -> Any:
-        try:
+        self._requests.append(request.replace("_", " "))
+        self._leave()
+        self._link.stale = 1
+        with suppress(OSError):  # a child that is gone is noticed by the listener
             self._pipe.send((request, *arguments))
-        except OSError:
-            raise self._died(request) from None
         return self._answer(request)
 
     def _answer(self, request: str) -> Any:
-        while True:
-            try:
-                if not self._pipe.poll(ANSWER_WITHIN):
-                    raise SimulationError(
-                        f"{self.name} ({self.description.path.name}): no answer to "
-                        f"{request} within {ANSWER_WITHIN:.0f} s; its process is "
-                        f"killed: run it alone in another tool to see why"
-                    )
+        self._waiting = True
+        try:
+            kind, value = self._answers.get(timeout=self._isolation.answer_within)
+        except queue.Empty:
+            raise self._late() from None
+        self._waiting = False
+        if kind == "error":
+            raise value
+        if kind == "ended":
+            self._answers.put((kind, value))
+            raise self._died(request.replace("_", " "))
+        return value
+
+    def _listen(self) -> None:
+        """Take what comes up the pipe, until the child has ended; in a thread."""
+        with suppress(EOFError, OSError):
+            while self._pipe in wait([self._pipe, self._child.sentinel]):
                 kind, value = self._pipe.recv()
-            except (EOFError, OSError):
-                raise self._died(request) from None
-            if kind == "log":
-                self._log(self.name, value)
-            elif kind == "error":
-                raise value
-            else:
-                return value
+                if kind == "log":
+                    self._said.append(value)
+                    self._log(self.name, value)
+                else:
+                    self._answers.put((kind, value))
+        self._link.ended = 1
+        self._answers.put(("ended", None))
+
+    def _late(self) -> SimulationError:
+        self._kill()
+        within = self._isolation.answer_within
+        return SimulationError(
+            f"{self.name} ({self.description.path.name}): no answer within "
+            f"{within:g} s (answer_within) in {self._doing()}; its process is killed. "
+            f"{self._history()}"
+        )
 
     def _died(self, request: str) -> SimulationError:
-        self._child.join(5)
+        self._child.join(ENDING_WITHIN)
         code = self._child.exitcode
-        how = (
-            f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
-        )
+        how = f"exit code {code}"
+        if code is not None and code < 0:
+            how = f"signal {-code} ({signal.Signals(-code).name})"
+        remedy = ""
+        if self._isolation.memory_limit is not None:
+            remedy = f"; memory_limit is {self._isolation.memory_limit / 1e6:g} MB"
+        elif code == -9:
+            remedy = "; the system kills so when memory runs out"
         return SimulationError(
             f"{self.name} ({self.description.path.name}): its process ended with {how} "
-            f"during {request}: run it alone in another tool to see why"
+            f"during {request}{remedy}. {self._history()}"
         )
 
+    def _doing(self) -> str:
+        """Say what the FMU was last asked to do."""
+        channel = self._channel
+        if channel is None or channel.steps == 0 or channel.doing == len(c.DOING):
+            return self._requests[-1] if self._requests else "load"
+        word = c.DOING[channel.doing]
+        kind = word if word == "doStep" else f"{word} before or after doStep"
+        return f"{kind} of {channel.h:.9g} s at t = {channel.t:.9g} s"
 
-def _serve(pipe: Any, name: str, description: FmuDescription, folder: Path) -> None:
-    """Carry out requests until the pipe closes; runs in the child."""
+    def _history(self) -> str:
+        calls = list(self._requests)
+        if self._channel is not None and self._channel.steps:
+            inputs = ", ".join(
+                f"{name} = {value:.6g}"
+                for name, value in zip(self._names[:4], self._to[0], strict=False)
+            )
+            n = self._channel.steps
+            calls = [*calls[-1:], f"{n} steps, the last with {inputs or 'no inputs'}"]
+        said = "; ".join(map(str, self._said)) or "nothing"
+        return f"Its last calls: {', '.join(calls) or 'load'}. It logged: {said}."
+
+
+class _Bundle(Group):
+    """All inputs or all outputs of an isolated FMU, as the kernel calls them."""
+
+    def __init__(
+        self,
+        instance: Any,
+        vector: NDArray[np.float64],
+        first: int,
+        size: int,
+        getter: Any,
+        setter: Any,
+    ) -> None:
+        self.major, self.kind, self.element = 2, "Real", ctypes.c_double
+        self.instance, self.vector, self.first, self.size = (
+            instance,
+            vector,
+            first,
+            size,
+        )
+        self.references = (ctypes.c_uint * 1)()
+        self.buffer = (ctypes.c_double * size).from_buffer(vector.data, 8 * first)
+        self.getter, self.setter = getter, setter
+
+    def failure(self, verb: str, status: int) -> SimulationError:
+        failed: SimulationError = self.instance.failed_step(0.0, status)
+        return failed
+
+
+def _spawn(*arguments: Any) -> Any:
+    """Start the child so that it neither runs the caller's script nor sees Ctrl-C."""
+    with _without_main(), _without_interrupts():
+        context = mp.get_context("spawn")
+        child = context.Process(target=serve, args=arguments, daemon=True)
+        child.start()
+    return child
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the caller's script, which a child would run again on import."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
     try:
-        instance = LocalInstance(
-            name,
-            description,
-            folder,
-            lambda _name, message: pipe.send(("log", message)),
-        )
-        pipe.send(("done", None))
-    except FeedDriveError as error:
-        pipe.send(("error", error))
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Block SIGINT; a child inherits that until it can ignore the signal."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
         return
-    vector = np.zeros(0)
-    inputs = 0
-    while True:
-        try:
-            request, *arguments = pipe.recv()
-        except EOFError:
-            request = "close"
-        if request == "close":
-            instance.close()
-            return
-        try:
-            answer: Any = None
-            if request == "bind":
-                first, second, inputs, outputs = arguments
-                vector = np.zeros(inputs + outputs)
-                instance.bind(vector, first, 0, second, inputs)
-            elif request in ("step", "exchange"):
-                values, *when = arguments
-                if len(values):
-                    vector[:inputs] = values
-                    instance.push()
-                if when:
-                    instance.step(*when)
-                instance.pull()
-                answer = vector[inputs:].tolist()
-            else:
-                answer = getattr(instance, request)(*arguments)
-            pipe.send(("done", answer))
-        except FeedDriveError as error:
-            pipe.send(("error", error))
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -69,9 +69,9 @@ typedef struct {
     size_t n_read, n_delayed;
     double *line; /* latency rows of n_delayed values, next at head */
     size_t latency, head;
-    int64_t steps;
-    double spent; /* s, when profiled */
     int32_t major;
+    int64_t steps, readings; /* readings of the clock, and s, when profiled */
+    double spent;
 } Part;
 
 typedef struct {
@@ -103,7 +103,8 @@ typedef struct {
     int64_t instant;
     int32_t part, group;
     double h;
-    double master; /* s, when profiled: all but the FMUs */
+    int64_t readings; /* as in Part, for everything that is not in an FMU */
+    double spent;
 } Kernel;
 
 typedef struct {
@@ -186,8 +187,8 @@ static int fail(Kernel *kernel, int failure, int64_t k, const Op *op, size_t gro
     return 0;
 }
 
-static int step(Kernel *kernel, Part *p, const Op *op, int64_t k) {
-    double t = seconds(kernel, k - op->back), reached;
+static int step(Kernel *kernel, Part *p, const Op *op, int64_t k, double t) {
+    double reached;
     _Bool event, ended = 0, early = 0;
     int status;
     *p->clock = t;
@@ -267,7 +268,7 @@ static void record(Kernel *kernel, const Table *table, int64_t k) {
 static int carry_out(Kernel *kernel, const Op *op, int64_t k) {
     Part *p = kernel->parts + op->target;
     switch (op->code) {
-    case STEP: return step(kernel, p, op, k);
+    case STEP: return step(kernel, p, op, k, seconds(kernel, k - op->back));
     case READ: return get_outputs(kernel, p, op, k);
     case COPY: copy(p); return 1;
     case RELEASE: release(p); return 1;
@@ -275,6 +276,15 @@ static int carry_out(Kernel *kernel, const Op *op, int64_t k) {
     case HOLD: hold(p); return 1;
     default: record(kernel, kernel->tables + op->target, k); return 1;
     }
+}
+
+/* Carry out one operation on the only part, for channel.c; returns 0 if it fails. */
+int kernel_one(Kernel *kernel, int32_t code, double t, double h) {
+    Op op = {code, 0, 0, h};
+    kernel->failure = NONE;
+    if (code == STEP)
+        return step(kernel, kernel->parts, &op, 0, t);
+    return carry_out(kernel, &op, 0);
 }
 
 /* Seconds of a clock that only counts up. */
@@ -291,13 +301,27 @@ EXPORT double kernel_now(void) {
 #endif
 }
 
+/* What one reading of the clock takes (s). */
+EXPORT double kernel_reading(void) {
+    enum { N = 10000 };
+    double begun = kernel_now(), now = begun;
+    for (int i = 0; i < N; i++)
+        now = kernel_now();
+    return (now - begun) / N;
+}
+
 /* As carry_out, adding the time it takes to the part's or the master's. */
 static int carry_out_timed(Kernel *kernel, const Op *op, int64_t k, double *last) {
     int done = carry_out(kernel, op, k);
-    double now = kernel_now();
-    int in_fmu = op->code == STEP || op->code == READ || op->code == WRITE;
-    *(in_fmu ? &kernel->parts[op->target].spent : &kernel->master) += now - *last;
+    double now = kernel_now(), spent = now - *last;
     *last = now;
+    if (op->code == STEP || op->code == READ || op->code == WRITE) {
+        kernel->parts[op->target].spent += spent;
+        kernel->parts[op->target].readings++;
+    } else {
+        kernel->spent += spent;
+        kernel->readings++;
+    }
     return done;
 }
 

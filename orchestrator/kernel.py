@@ -3,8 +3,7 @@
 Everything kernel.c works on is made here, once: parts, groups, copies, tables,
 and each program the first time it is met.  The kernel is called for chunks of
 instants that take about ``CHUNK_S``, so that between two of them Python can
-report, write rows, and be interrupted.  Only instances of this process can
-be run.
+report, write rows, and be interrupted.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +18,8 @@ from orchestrator import kernel_library as c
 from orchestrator.errors import SimulationError
 from orchestrator.executor import refusal
 from orchestrator.group import Group
-from orchestrator.instance import LocalInstance
+from orchestrator.instance import Instance
+from orchestrator.profile import Spent
 from orchestrator.recorder import CHUNK, Table
 from orchestrator.schedule import Stretch
 from orchestrator.timetable import Op, Program, Timetable
@@ -39,7 +39,7 @@ class Kernel:
     def __init__(
         self,
         timetable: Timetable,
-        instances: Mapping[str, LocalInstance],
+        instances: Mapping[str, Instance],
         vector: Vector,
         tables: Mapping[str, Table],
         *,
@@ -93,6 +93,17 @@ class Kernel:
                 r, i = divmod(done - 1, length)
                 yield stretch.first + r * stretch.length + stretch.offsets[i]
 
+    def spent(self) -> tuple[dict[str, Spent], float]:
+        """Return the time in each FMU and in the master (s), if profiled."""
+        reading = self._library.kernel_reading()
+
+        def net(of: Any) -> float:
+            return max(0.0, float(of.spent) - int(of.readings) * float(reading))
+
+        parts = zip(self._target, self._parts, strict=False)
+        spent = {name: Spent(int(part.steps), net(part)) for name, part in parts}
+        return spent, net(self._kernel)
+
     def _flush_full(self) -> None:
         if self._kernel.full:
             for table in self._tables.values():
@@ -129,9 +140,9 @@ class Kernel:
         self._kept.append(array)
         return array
 
-    def _part(self, part: Part, instance: LocalInstance) -> c.Part:
-        inputs = [_group(g) for g in instance.inputs]
-        outputs = [_group(g) for g in instance.outputs]
+    def _part(self, part: Part, instance: Instance) -> c.Part:
+        inputs = [group_table(g) for g in instance.inputs]
+        outputs = [group_table(g) for g in instance.outputs]
         copies = sorted(part.copies, key=lambda copy: copy.affine.converts)
         line = np.tile(
             self._vector[part.raw : part.raw + part.delayed], part.component.latency
@@ -139,7 +150,7 @@ class Kernel:
         self._kept.append(line)
         return c.Part(
             instance=instance.slave.value,
-            do_step=_address(instance.do_step),
+            do_step=address(instance.do_step),
             clock=addressof(instance.clock),
             inputs=addressof(self._array(c.Group, inputs)),
             n_inputs=len(inputs),
@@ -167,7 +178,7 @@ class Kernel:
             n_delayed=part.delayed,
             line=line.ctypes.data,
             latency=part.component.latency,
-            major=instance.description.fmi_major,
+            major=instance.step_major,
         )
 
     def _table(self, table: Table) -> c.Table:
@@ -210,13 +221,14 @@ class Kernel:
         return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)
 
 
-def _group(group: Group) -> c.Group:
-    major = group.instance.description.fmi_major
+def group_table(group: Group) -> c.Group:
+    """Return the kernel's view of a group, which must be kept alive."""
+    major = group.major
     boolean = group.kind == "Boolean"
     low, high = group.bounds()
     return c.Group(
-        get=_address(group.getter),
-        set=_address(group.setter),
+        get=address(group.getter),
+        set=address(group.setter),
         references=addressof(group.references),
         n_references=len(group.references),
         size=group.size,
@@ -229,5 +241,5 @@ def _group(group: Group) -> c.Group:
     )
 
 
-def _address(function: Any) -> int | None:
+def address(function: Any) -> int | None:
     return cast(function, c_void_p).value

@@ -1,4 +1,4 @@
-"""The compiled kernel and its structures, as kernel.c declares them.
+"""The compiled kernel and its structures, as kernel.c and channel.c declare them.
 
 Compiled once per digest of its source with the compiler and the flags of the
 FMUs, and kept in their cache.
@@ -13,9 +13,11 @@ from typing import Any, ClassVar
 from fmus.build import cache_folder
 from fmus.compile import compile_alone, host_platform
 
-SOURCE = Path(__file__).with_name("kernel.c")
+SOURCES = [Path(__file__).with_name(name) for name in ("kernel.c", "channel.c")]
 CODES = ("step", "read", "copy", "release", "write", "hold", "row")
 FAILURES = ("", "step", "get", "set", "not finite", "does not fit")
+DOING = ("set", "doStep", "get")  # of a channel
+ASK = ("step", "exchange", "leave")
 TYPES: tuple[Any, ...] = (
     c_double,
     ctypes.c_float,
@@ -81,9 +83,10 @@ class Part(ctypes.Structure):
         ("line", c_void_p),
         ("latency", c_size_t),
         ("head", c_size_t),
-        ("steps", c_int64),
-        ("spent", c_double),
         ("major", c_int32),
+        ("steps", c_int64),
+        ("readings", c_int64),
+        ("spent", c_double),
     ]
 
 
@@ -134,7 +137,8 @@ class Kernel(ctypes.Structure):
         ("part", c_int32),
         ("group", c_int32),
         ("h", c_double),
-        ("master", c_double),
+        ("readings", c_int64),
+        ("spent", c_double),
     ]
 
 
@@ -150,6 +154,39 @@ class Stretch(ctypes.Structure):
     ]
 
 
+class Channel(ctypes.Structure):
+    """What a master and the process of an FMU share; the values follow it."""
+
+    _fields_: ClassVar[Any] = [
+        ("asked", c_uint32),
+        ("_1", ctypes.c_char * 60),
+        ("answered", c_uint32),
+        ("_2", ctypes.c_char * 60),
+        ("what", c_int32),
+        ("given", c_int32),
+        ("doing", c_int32),
+        ("failed", c_int32),
+        ("t", c_double),
+        ("h", c_double),
+        ("steps", c_int64),
+        ("_3", ctypes.c_char * 24),
+    ]
+
+
+class Link(ctypes.Structure):
+    """The master's end of a channel."""
+
+    _fields_: ClassVar[Any] = [
+        ("channel", c_void_p),
+        ("n_inputs", c_size_t),
+        ("n_outputs", c_size_t),
+        ("within", c_double),
+        ("stale", c_int32),
+        ("ended", c_int32),
+        ("spins", c_int32),
+    ]
+
+
 @cache
 def library() -> Any:
     """Return the kernel, loaded; compiled first if it was not yet.
@@ -157,7 +194,7 @@ def library() -> Any:
     Raises:
         CompileError: there is no compiler, or none for this platform.
     """
-    sources = {SOURCE.name: SOURCE.read_text(encoding="utf-8")}
+    sources = {file.name: file.read_text(encoding="utf-8") for file in SOURCES}
     file = compile_alone(
         "kernel", sources, host_platform(), cache_folder() / "libraries"
     )
@@ -169,6 +206,9 @@ def library() -> Any:
         c_int64,
         c_int64,
     ]
-    loaded.kernel_now.restype = c_double
-    loaded.kernel_now.argtypes = []
+    loaded.kernel_reading.restype = c_double
+    loaded.kernel_reading.argtypes = []
+    loaded.channel_serve.argtypes = [c_void_p, ctypes.POINTER(Kernel), c_int32]
+    loaded.channel_ask.argtypes = [c_void_p, c_int32]
+    loaded.channel_step.argtypes = [c_void_p, c_double, c_double, c_int32]
     return loaded

@@ -8,9 +8,8 @@ step, so that a run that fails can be looked at and run again.
 import atexit
 import json
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from functools import cache
 from itertools import count
@@ -26,6 +25,7 @@ from orchestrator.metrics import evaluate, refuse_unit
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario import Scenario, load_scenario
+from orchestrator.temporary import temporary_folder
 
 if TYPE_CHECKING:
     from orchestrator.simulate import Choice
@@ -211,9 +211,9 @@ def run_earlier(name: str) -> Run:
 
 @cache
 def _workspace() -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="feeddrive-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
+    kept = ExitStack()
+    atexit.register(kept.close)
+    return kept.enter_context(temporary_folder())
 
 
 @contextmanager

@@ -27,15 +27,17 @@ from orchestrator.errors import SimulationError
 from orchestrator.executor import Executor
 from orchestrator.fmu import FmuDescription, read_fmu
 from orchestrator.initialise import initialise
-from orchestrator.instance import Instance, LocalInstance, LogMessage
+from orchestrator.instance import Instance, LogMessage, load
 from orchestrator.profile import Profile, Spent
 from orchestrator.recorder import Recorder
 from orchestrator.result import Result, Timing
-from orchestrator.system import System
+from orchestrator.system import Isolation, System
 from orchestrator.timetable import Timetable
 from orchestrator.wiring import Wiring, wire
 
 LOG = logging.getLogger("feeddrive")
+_UNSAID = Isolation()
+NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
 BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
@@ -76,7 +78,7 @@ def simulate(
     vector = np.zeros(wiring.size)
     with ExitStack() as stack:
         instances = {
-            name: open_instance(name, part.fmu, stack)
+            name: open_instance(name, part.fmu, stack, part.component.isolation)
             for name, part in wiring.parts.items()
         }
         initialise(wiring, instances, vector)
@@ -110,20 +112,15 @@ def _engine(
     if executor != "python":
         from orchestrator.kernel import Kernel
 
-        local = {n: i for n, i in instances.items() if isinstance(i, LocalInstance)}
-        if local.keys() == instances.keys():
-            try:
-                return Kernel(
-                    timetable, local, vector, recorder.tables, profiled=profiled
-                )
-            except CompileError as error:
-                why, level = f"the kernel cannot be compiled: {error}", logging.WARNING
-        else:
-            others = ", ".join(instances.keys() - local.keys())
-            why, level = f"in processes of their own: {others}", logging.INFO
+        try:
+            return Kernel(
+                timetable, instances, vector, recorder.tables, profiled=profiled
+            )
+        except CompileError as error:
+            why = f"the kernel cannot be compiled: {error}"
         if executor == "kernel":
             raise SimulationError(f"executor kernel: {why}; leave the choice open")
-        LOG.log(level, "%s; the Python executor is used, which is slower", why)
+        LOG.warning("%s; the Python executor is used, which is slower", why)
     rows = {name: table.row for name, table in recorder.tables.items()}
     return Executor(timetable, instances, vector, rows, profiled=profiled)
 
@@ -138,20 +135,26 @@ def plan(system: System) -> Timetable:
     return timetable
 
 
-def open_instance(name: str, fmu: FmuDescription, stack: ExitStack) -> Instance:
+def open_instance(
+    name: str,
+    fmu: FmuDescription,
+    stack: ExitStack,
+    isolation: Isolation = _UNSAID,
+) -> Instance:
     """Unpack and load an FMU; closing ``stack`` frees it and deletes its folder.
 
     Raises:
         FmuError: its library cannot be loaded here.
     """
-    folder = stack.enter_context(unpacked(fmu.path))
+    folder = stack.enter_context(unpacked(fmu.path, NOT_RUN))
     instance: Instance
-    if fmu.needs_execution_tool:
+    apart = isolation.process
+    if fmu.needs_execution_tool if apart is None else apart:
         from orchestrator.isolated import IsolatedInstance
 
-        instance = IsolatedInstance(name, fmu, folder, _log)
+        instance = IsolatedInstance(name, fmu, folder, _log, isolation)
     else:
-        instance = LocalInstance(name, fmu, folder, _log)
+        instance = load(name, fmu, folder, _log)
     stack.callback(instance.close)
     return instance
 

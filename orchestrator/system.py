@@ -13,6 +13,9 @@ from typing import Literal, TypeAlias
 
 Value: TypeAlias = float | bool | tuple[float, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
+FaultKind: TypeAlias = Literal[
+    "stuck", "bias", "gain", "delay", "quantisation", "override"
+]
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,20 @@ class Mapped:
     gain: float = 1.0
     offset: float = 0.0
     unit: str | None = None
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """Whether an FMU runs in a process of its own, and what it may take there.
+
+    ``process`` None means: if it needs an execution tool.  A process that does not
+    answer within ``answer_within`` seconds is killed; ``memory_limit`` (bytes) is
+    what it may take besides Python (not enforced on Windows and macOS).
+    """
+
+    process: bool | None = None
+    answer_within: float = 60.0
+    memory_limit: float | None = None
 
 
 @dataclass(frozen=True)
@@ -47,6 +64,23 @@ class Component:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     start: Mapping[str, Value] = field(default_factory=dict)
     map: Mapping[str, Mapped] = field(default_factory=dict)
+    isolation: Isolation = Isolation()
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What goes wrong on a connection while start <= t < end (s; None: for ever).
+
+    ``value``, in the unit of the input, is what is added (bias) or given instead
+    (override), the factor (gain) or the quantum (quantisation); ``samples`` of the
+    source are what ``delay`` waits.
+    """
+
+    kind: FaultKind
+    value: float = 0.0
+    samples: int = 0
+    start: Fraction = Fraction(0)
+    end: Fraction | None = None
 
 
 @dataclass(frozen=True)
@@ -54,7 +88,8 @@ class System:
     """A composition of FMUs over the closed interval [0, stop].
 
     ``connections`` are keyed by the sink, so that no input is driven twice.
-    ``record`` gives the row period of every recorded variable.
+    ``record`` gives the row period of every recorded variable.  ``faults``, by the
+    sink of a connection, act in the order they are written.
     """
 
     name: str
@@ -62,6 +97,7 @@ class System:
     components: Mapping[str, Component]
     connections: Mapping[str, str]
     record: Mapping[str, Fraction]
+    faults: Mapping[str, tuple[Fault, ...]] = field(default_factory=dict)
 
 
 def split_name(variable: str) -> tuple[str, str]:

@@ -1,0 +1,201 @@
+/* One FMU in a process of its own, reached through memory that both map.
+
+   The master (channel_set, channel_step, channel_get: called like an FMI 2 FMU's
+   own functions, with a Link for the instance) writes a request and then adds 1
+   to `asked`; the process (channel_serve) carries it out on its FMU, with the
+   kernel's operations, and then sets `answered` to the same number.  Whoever does
+   not wait owns everything else in the Channel: inputs, then outputs.
+
+   Waiting spins for some microseconds, then yields, then sleeps ever longer, so
+   that several processes that share a core get on.  The master stops waiting when
+   the process has ended, after `within` seconds, or when a signal arrives. */
+
+#define _POSIX_C_SOURCE 199309L /* nanosleep, sched_yield */
+
+#include <errno.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef _WIN32
+#include <windows.h>
+#define EXPORT __declspec(dllexport)
+#else
+#include <sched.h>
+#include <time.h>
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+enum { STEP, EXCHANGE, LEAVE };             /* what is asked */
+enum { OK, REFUSED = 3, ENDED = 16, LATE, INTERRUPTED }; /* how it went */
+enum { SET, DO_STEP, GET, NOTHING };        /* what the FMU is doing */
+enum { STEPPING = 0, READING = 1, WRITING = 4 }; /* operations of kernel.c */
+
+typedef struct {
+    uint32_t asked;
+    char _1[60]; /* each counter in a cache line of its own */
+    uint32_t answered;
+    char _2[60];
+    int32_t what, given, doing, failed;
+    double t, h; /* s */
+    int64_t steps;
+    char _3[24];
+    double values[];
+} Channel;
+
+typedef struct {
+    Channel *channel;
+    size_t n_inputs, n_outputs;
+    double within; /* s */
+    int32_t stale; /* outputs in the channel are not those of the FMU now */
+    int32_t ended; /* the process is known to have ended */
+    int32_t spins;
+} Link;
+
+double kernel_now(void);
+int kernel_one(void *kernel, int32_t code, double t, double h);
+
+static void pause_a_little(void) {
+#if defined(__x86_64__) || defined(_M_X64)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    __asm__ volatile("yield");
+#endif
+}
+
+static void yield(void) {
+#ifdef _WIN32
+    SwitchToThread();
+#else
+    sched_yield();
+#endif
+}
+
+/* Returns 0 when a signal arrived. */
+static int sleep_for(double seconds) {
+#ifdef _WIN32
+    Sleep((DWORD)(1e3 * seconds) + 1);
+    return 1;
+#else
+    struct timespec t = {0, (long)(1e9 * seconds)};
+    return nanosleep(&t, NULL) == 0 || errno != EINTR;
+#endif
+}
+
+static uint32_t load(const uint32_t *place) {
+    return __atomic_load_n(place, __ATOMIC_ACQUIRE);
+}
+
+static void store(uint32_t *place, uint32_t value) {
+    __atomic_store_n(place, value, __ATOMIC_RELEASE);
+}
+
+/* Waits until *place is (is_equal) or is not value; link is NULL in the process. */
+static int await(const uint32_t *place, uint32_t value, int is_equal, int32_t spins,
+                 const Link *link) {
+    const double yielding = 2e-4, shortest = 2e-5, longest = 1e-3;
+    for (int32_t i = 0; i < spins; i++) {
+        if ((load(place) == value) == is_equal)
+            return OK;
+        pause_a_little();
+    }
+    for (double begun = kernel_now();;) {
+        int ended = link && __atomic_load_n(&link->ended, __ATOMIC_ACQUIRE);
+        if ((load(place) == value) == is_equal)
+            return OK;
+        if (ended)
+            return ENDED;
+        double waited = kernel_now() - begun;
+        if (link && waited > link->within)
+            return LATE;
+        if (waited < yielding) {
+            yield();
+            continue;
+        }
+        double pause = waited / 16;
+        pause = pause < shortest ? shortest : pause > longest ? longest : pause;
+        if (!sleep_for(pause) && link)
+            return INTERRUPTED;
+    }
+}
+
+/* Hand a request over and wait: EXCHANGE sets inputs and gets outputs without a
+   step; LEAVE lets channel_serve return, so that the process listens to its pipe. */
+EXPORT int channel_ask(Link *link, int what) {
+    Channel *c = link->channel;
+    uint32_t number = c->asked + 1;
+    c->what = what;
+    store(&c->asked, number);
+    int how = await(&c->answered, number, 1, link->spins, link);
+    if (how != OK)
+        return how;
+    link->stale = 0;
+    return c->failed ? REFUSED : OK;
+}
+
+/* Hand over inputs; they reach the FMU with the next request. */
+EXPORT int channel_set(Link *link, const uint32_t *references, size_t n,
+                       const double *values) {
+    (void)references, (void)n;
+    memcpy(link->channel->values, values, link->n_inputs * sizeof(double));
+    link->channel->given = link->stale = 1;
+    return OK;
+}
+
+/* Set inputs if they were handed over, do a step, get all outputs. */
+EXPORT int channel_step(Link *link, double t, double h, int unused) {
+    (void)unused;
+    link->channel->t = t;
+    link->channel->h = h;
+    link->channel->steps++;
+    return channel_ask(link, STEP);
+}
+
+/* Outputs of the latest step, or as they are now when inputs were set since. */
+EXPORT int channel_get(Link *link, const uint32_t *references, size_t n,
+                       double *values) {
+    (void)references, (void)n;
+    int how = link->stale ? channel_ask(link, EXCHANGE) : OK;
+    const double *outputs = link->channel->values + link->n_inputs;
+    memcpy(values, outputs, link->n_outputs * sizeof(double));
+    return how;
+}
+
+static int carry_out(Channel *c, void *kernel) {
+    int good = 1;
+    if (c->given) {
+        c->doing = SET;
+        good = kernel_one(kernel, WRITING, c->t, c->h);
+        c->given = 0;
+    }
+    if (good && c->what == STEP) {
+        c->doing = DO_STEP;
+        good = kernel_one(kernel, STEPPING, c->t, c->h);
+    }
+    if (good) {
+        c->doing = GET;
+        good = kernel_one(kernel, READING, c->t, c->h);
+    }
+    c->doing = NOTHING;
+    return good;
+}
+
+/* Serve requests until one is to leave (returns 1) or fails (returns 0); then
+   Python says why and calls channel_answer. */
+EXPORT int channel_serve(Channel *c, void *kernel, int32_t spins) {
+    for (;;) {
+        await(&c->asked, c->answered, 0, spins, NULL);
+        c->failed = 0;
+        if (c->what != LEAVE && !carry_out(c, kernel))
+            return 0;
+        store(&c->answered, c->asked);
+        if (c->what == LEAVE)
+            return 1;
+    }
+}
+
+/* Answer a request that failed. */
+EXPORT void channel_answer(Channel *c) {
+    c->failed = 1;
+    store(&c->answered, c->asked);
+}
