@@ -33,6 +33,7 @@ from orchestrator.errors import FmuError
 
 LOADS = 11  # the dynamic item without which no other is tried
 WORKERS = 2
+STARTING = "starting its process"
 
 
 def check_fmu(
@@ -140,7 +141,7 @@ class _Heard:
     """What a child said until it ended."""
 
     said: list[Said] = field(default_factory=list)
-    trying: str = "starting"
+    trying: str = STARTING
     kept: dict[str, Any] = field(default_factory=dict)
     end: str = ""
     reason: str = ""
@@ -185,6 +186,8 @@ def _in_child(
     except (EOFError, OSError):
         child.join(5)
         heard.end, heard.reason = "died", f"{_how(child)} while {heard.trying}"
+        if heard.trying == STARTING:  # nothing of the FMU has been touched yet
+            heard.end = "could not be run"
     finally:
         child.kill() if heard.end == "hung" else child.join(5)
         if child.is_alive():
@@ -209,7 +212,7 @@ def _how(child: Any) -> str:
     code = child.exitcode
     if code is not None and code < 0:
         return f"the process crashed with {signal.Signals(-code).name}"
-    return f"the FMU ended the process with exit code {code}"
+    return f"the process ended with exit code {code}"
 
 
 def _context() -> Any:
@@ -230,7 +233,7 @@ def serve(
     from orchestrator.checks.laboratory import STATUS, Laboratory
 
     printed = _hide_output()
-    last = ["starting"]
+    last = [STARTING]
 
     def tell(text: str) -> None:
         last[0] = text
