@@ -6,8 +6,8 @@
    kernel's operations, and then sets `answered` to the same number.  Whoever does
    not wait owns everything else in the Channel: inputs, then outputs.
 
-   Waiting spins for some microseconds, then yields, then sleeps ever longer, so
-   that several processes that share a core get on.  The master stops waiting when
+   Waiting yields, then sleeps ever longer, so that several processes that share
+   a core get on (spinning first made them ten times slower there).  The master stops waiting when
    the process has ended, after `within` seconds, or when a signal arrives. */
 
 #define _POSIX_C_SOURCE 199309L /* nanosleep, sched_yield */
@@ -49,19 +49,10 @@ typedef struct {
     double within; /* s */
     int32_t stale; /* outputs in the channel are not those of the FMU now */
     int32_t ended; /* the process is known to have ended */
-    int32_t spins;
 } Link;
 
 double kernel_now(void);
 int kernel_one(void *kernel, int32_t code, double t, double h);
-
-static void pause_a_little(void) {
-#if defined(__x86_64__) || defined(_M_X64)
-    __builtin_ia32_pause();
-#elif defined(__aarch64__)
-    __asm__ volatile("yield");
-#endif
-}
 
 static void yield(void) {
 #ifdef _WIN32
@@ -91,14 +82,9 @@ static void store(uint32_t *place, uint32_t value) {
 }
 
 /* Waits until *place is (is_equal) or is not value; link is NULL in the process. */
-static int await(const uint32_t *place, uint32_t value, int is_equal, int32_t spins,
+static int await(const uint32_t *place, uint32_t value, int is_equal,
                  const Link *link) {
     const double yielding = 2e-4, shortest = 2e-5, longest = 1e-3;
-    for (int32_t i = 0; i < spins; i++) {
-        if ((load(place) == value) == is_equal)
-            return OK;
-        pause_a_little();
-    }
     for (double begun = kernel_now();;) {
         int ended = link && __atomic_load_n(&link->ended, __ATOMIC_ACQUIRE);
         if ((load(place) == value) == is_equal)
@@ -126,7 +112,7 @@ EXPORT int channel_ask(Link *link, int what) {
     uint32_t number = c->asked + 1;
     c->what = what;
     store(&c->asked, number);
-    int how = await(&c->answered, number, 1, link->spins, link);
+    int how = await(&c->answered, number, 1, link);
     if (how != OK)
         return how;
     link->stale = 0;
@@ -182,9 +168,9 @@ static int carry_out(Channel *c, void *kernel) {
 
 /* Serve requests until one is to leave (returns 1) or fails (returns 0); then
    Python says why and calls channel_answer. */
-EXPORT int channel_serve(Channel *c, void *kernel, int32_t spins) {
+EXPORT int channel_serve(Channel *c, void *kernel) {
     for (;;) {
-        await(&c->asked, c->answered, 0, spins, NULL);
+        await(&c->asked, c->answered, 0, NULL);
         c->failed = 0;
         if (c->what != LEAVE && !carry_out(c, kernel))
             return 0;

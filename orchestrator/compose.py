@@ -24,7 +24,7 @@ from orchestrator.result import Result
 from orchestrator.scenario import Scenario
 from orchestrator.scenario_schema import ComponentSpec, DesignSpec, Specification
 from orchestrator.stars import open_connections, open_record
-from orchestrator.system import Component, Mapped, System, Value
+from orchestrator.system import Component, Isolation, Mapped, System, Value
 from orchestrator.values import Part, Values
 
 RunEarlier: TypeAlias = Callable[[str], Result]
@@ -243,4 +243,9 @@ def _component(
         parameters={**designed, **spec.parameters},
         start=dict(spec.start),
         map={k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()},
+        isolation=Isolation(
+            None if spec.isolation is None else spec.isolation == "process",
+            float(spec.answer_within),
+            spec.memory_limit,
+        ),
     )

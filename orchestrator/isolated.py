@@ -41,7 +41,6 @@ from orchestrator.system import Isolation
 
 REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
 ENDING_WITHIN = 5.0  # s for a child to free its FMU
-SPINS = 20  # pauses of the processor before a waiting side yields
 
 
 class IsolatedInstance:
@@ -72,13 +71,13 @@ class IsolatedInstance:
             self._library: Any = c.library()
         except CompileError:
             self._library = None
-        spins = SPINS if (os.cpu_count() or 1) > 1 else 0
-        self._link = c.Link(within=isolation.answer_within, spins=spins)
+        self._link = c.Link(within=isolation.answer_within)
         self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
         self._pipe, theirs = mp.get_context("spawn").Pipe()
-        limit = isolation.memory_limit
-        childs = spins if self._library else None
-        self._child = _spawn(theirs, name, description, folder, limit, childs)
+        self._child = _spawn(
+            *(theirs, name, description, folder, isolation.memory_limit),
+            self._library is not None,
+        )
         theirs.close()
         self._listener = Thread(target=self._listen, daemon=True)
         self._listener.start()

@@ -37,11 +37,11 @@ def serve(
     description: FmuDescription,
     folder: Path,
     memory_limit: float | None,
-    spins: int | None,
+    shared: bool,
 ) -> None:
     """Load an FMU and carry out requests until one is to close.
 
-    ``spins`` None: requests to step come through the pipe as well.
+    ``shared``: requests to step come through the channel, not the pipe.
     """
     _stand_alone()
     lock = Lock()
@@ -56,7 +56,7 @@ def serve(
     try:
         if memory_limit is not None:
             _limit_memory(memory_limit)
-        server = _Server(load(name, description, folder, log), folder, spins)
+        server = _Server(load(name, description, folder, log), folder, shared)
         send("done", None)
     except FeedDriveError as error:
         send("error", error)
@@ -84,8 +84,8 @@ def serve(
 class _Server:
     """The FMU and, once it is bound, the memory shared with the master."""
 
-    def __init__(self, instance: LocalInstance, folder: Path, spins: int | None):
-        self.instance, self.folder, self.spins = instance, folder, spins
+    def __init__(self, instance: LocalInstance, folder: Path, shared: bool):
+        self.instance, self.folder, self.by_channel = instance, folder, shared
         self.channel: c.Channel | None = None
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
@@ -102,7 +102,7 @@ class _Server:
         values = np.frombuffer(memory, offset=ctypes.sizeof(self.shared))
         n = sum(v.size for v in inputs)
         self.instance.bind(values, inputs, 0, outputs, n)
-        if self.spins is not None:
+        if self.by_channel:
             self.kernel = self._kernel()
             self.channel = self.shared
 
@@ -128,7 +128,7 @@ class _Server:
         """Serve the channel; return the error of a request that failed."""
         library = c.library()
         channel = ctypes.addressof(self.channel)  # type: ignore[arg-type]
-        if library.channel_serve(channel, self.kernel, self.spins):
+        if library.channel_serve(channel, self.kernel):
             return None
         kernel, instance = self.kernel, self.instance
         how = c.FAILURES[int(kernel.failure)]

@@ -183,7 +183,6 @@ class Link(ctypes.Structure):
         ("within", c_double),
         ("stale", c_int32),
         ("ended", c_int32),
-        ("spins", c_int32),
     ]
 
 
@@ -208,7 +207,7 @@ def library() -> Any:
     ]
     loaded.kernel_reading.restype = c_double
     loaded.kernel_reading.argtypes = []
-    loaded.channel_serve.argtypes = [c_void_p, ctypes.POINTER(Kernel), c_int32]
+    loaded.channel_serve.argtypes = [c_void_p, ctypes.POINTER(Kernel)]
     loaded.channel_ask.argtypes = [c_void_p, c_int32]
     loaded.channel_step.argtypes = [c_void_p, c_double, c_double, c_int32]
     return loaded

@@ -17,7 +17,7 @@ from orchestrator.compose import Composition
 from orchestrator.metrics import factor
 from orchestrator.quantity import time_text
 from orchestrator.scenario_metrics import Factor, MetricSpec
-from orchestrator.system import Component
+from orchestrator.system import Component, Isolation
 
 LOCK = "scenario.lock.toml"
 _VERSIONS = ("feeddrive-cosim", "numpy", "scipy", "casadi", "ziglang", "fmpy")
@@ -97,7 +97,19 @@ def _component(component: Component) -> dict[str, Any]:
     }
     if component.kind is not None:
         written["kind"] = component.kind
+    written |= _isolation(component.isolation)
     return {key: value for key, value in written.items() if value != {}}
+
+
+def _isolation(isolation: Isolation) -> dict[str, Any]:
+    written: dict[str, Any] = {}
+    if isolation.process is not None:
+        written["isolation"] = "process" if isolation.process else "none"
+    if isolation.answer_within != Isolation().answer_within:
+        written["answer_within"] = isolation.answer_within
+    if isolation.memory_limit is not None:
+        written["memory_limit"] = isolation.memory_limit
+    return written
 
 
 def _metric(spec: MetricSpec, composition: Composition) -> dict[str, Any]:

@@ -22,6 +22,7 @@ _SECONDS = {
     "h": Fraction(3600),
 }
 _HERTZ = {"Hz": Fraction(1), "kHz": Fraction(10**3), "MHz": Fraction(10**6)}
+_BYTES = {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _TIME = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*([^\W\d]+)?\s*")
 
@@ -82,6 +83,19 @@ def parse_period(value: Any) -> Fraction:
     if period <= 0:
         raise ValueError(f"{value} is not a time greater than zero")
     return period
+
+
+def parse_bytes(value: Any) -> float:
+    """Return an amount of memory: a number of bytes, or text such as ``"2 GB"``.
+
+    Raises:
+        ValueError: not an amount of memory, or not greater than zero.
+    """
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*(B|kB|MB|GB)?\s*", str(value))
+    size = float(match[1]) * _BYTES[match[2] or "B"] if match else 0.0
+    if size <= 0:
+        raise ValueError(f'{value!r} is no amount of memory; write "500 MB" or "2 GB"')
+    return size
 
 
 def time_text(value: Fraction) -> str:

@@ -24,7 +24,7 @@ from pydantic import (
 )
 
 from orchestrator.errors import did_you_mean
-from orchestrator.quantity import parse_period, parse_time
+from orchestrator.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.scenario_metrics import Expectation, MetricSpec, Strict
 from orchestrator.system import Kind, Value, split_name
 
@@ -114,6 +114,9 @@ class ComponentSpec(Strict):
     parameters: dict[str, Number] = Field(default_factory=dict)
     start: dict[str, Number] = Field(default_factory=dict)
     map: dict[str, MapSpec] = Field(default_factory=dict)
+    isolation: Literal["process", "none"] | None = None
+    answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
+    memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
 
     @field_validator("map", mode="before")
     @classmethod
