@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd
 
+from orchestrator.faults import describe
 from orchestrator.simulate import plan
 from orchestrator.system import System
 from orchestrator.timetable import Timetable
@@ -102,7 +103,15 @@ def _age(timetable: Timetable, edge: Edge) -> Age:
         min(every, read) if split else read,
         youngest + delay,
         oldest + delay,
-        _remark(source, sink, split, edge in timetable.waiting),
+        ", ".join(
+            [_remark(source, sink, split, edge in timetable.waiting)]
+            + [
+                f"fault: {describe(fault)}"
+                for faulty in timetable.wiring.faulty
+                if faulty.edge == edge
+                for fault in faulty.faults
+            ]
+        ),
     )
 
 

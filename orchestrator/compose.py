@@ -22,9 +22,14 @@ from orchestrator.fmu import FmuDescription, read_fmu
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario import Scenario
-from orchestrator.scenario_schema import ComponentSpec, DesignSpec, Specification
+from orchestrator.scenario_schema import (
+    ComponentSpec,
+    DesignSpec,
+    FaultSpec,
+    Specification,
+)
 from orchestrator.stars import open_connections, open_record
-from orchestrator.system import Component, Isolation, Mapped, System, Value
+from orchestrator.system import Component, Fault, Isolation, Mapped, System, Value
 from orchestrator.values import Part, Values
 
 RunEarlier: TypeAlias = Callable[[str], Result]
@@ -97,6 +102,7 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         components=components,
         connections=connections,
         record=open_record(spec, components, fmus),
+        faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
     )
     sources = {name: found.source for name, found in located.items()}
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
@@ -228,6 +234,11 @@ def _hand_over(
 
 def _has(fmu: FmuDescription, name: str) -> bool:
     return any(n == name or n.startswith(f"{name}[") for n in fmu.variables)
+
+
+def _fault(spec: FaultSpec) -> Fault:
+    start, end = spec.window or (Fraction(0), None)
+    return Fault(spec.kind, spec.value or 0.0, spec.samples or 0, start, end)
 
 
 def _component(

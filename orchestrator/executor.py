@@ -5,6 +5,7 @@ Values move through one vector; every output read is checked to be finite.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from math import isfinite
 from time import perf_counter
 from typing import Any
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
+from orchestrator.faults import Faults
 from orchestrator.instance import Instance
 from orchestrator.profile import Spent
 from orchestrator.timetable import Op, Program, Timetable
@@ -53,6 +55,7 @@ class Executor:
         }
         names = (*self._parts, None)
         self._accounts = {name: [0, 0.0] for name in names}
+        self._faults = Faults(timetable.wiring, timetable.schedule, self._view)
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
     def run(self) -> Iterator[int]:
@@ -102,6 +105,8 @@ class Executor:
         if op.code == "row":
             row = self._rows[op.target]
             return lambda k: row(seconds(k))
+        if op.code == "fault":
+            return partial(self._faults.apply, op.target)
         part, instance = self._parts[op.target], self._instances[op.target]
         if op.code in ("advance", "tick"):
             step, back, h = instance.step, op.back, op.h

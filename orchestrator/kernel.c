@@ -13,6 +13,7 @@
        WRITE    set all inputs
        HOLD     put raw into the latency line, publish what is not delayed
        ROW      append time and columns to a table
+       FAULT    let Python renew faulty inputs (orchestrator/faults.py)
 
    kernel_run returns how many instants it finished.  It stops early when a table
    is full (after that instant) or when an operation fails; then kernel->failure
@@ -33,7 +34,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW };
+enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW, FAULT };
 enum { NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT };
 enum { WARNING = 1 };
 enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
@@ -97,6 +98,7 @@ typedef struct {
     const Table *tables;
     const Program *programs;
     int64_t tick_num, tick_den; /* s */
+    void (*fault)(int32_t target, int64_t instant); /* a part, or behind the last */
     int32_t profiled;
     /* what happened */
     int32_t full, failure, status;
@@ -274,6 +276,7 @@ static int carry_out(Kernel *kernel, const Op *op, int64_t k) {
     case RELEASE: release(p); return 1;
     case WRITE: return set_inputs(kernel, p, op, k);
     case HOLD: hold(p); return 1;
+    case FAULT: kernel->fault(op->target, k); return 1;
     default: record(kernel, kernel->tables + op->target, k); return 1;
     }
 }

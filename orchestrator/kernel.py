@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from orchestrator import kernel_library as c
 from orchestrator.errors import SimulationError
 from orchestrator.executor import refusal
+from orchestrator.faults import Faults
 from orchestrator.group import Group
 from orchestrator.instance import Instance
 from orchestrator.profile import Spent
@@ -60,7 +61,10 @@ class Kernel:
         self._programs: list[c.Program] = []
         self._known: dict[int, tuple[int, Program]] = {}
         tick = timetable.schedule.tick
+        faults = Faults(timetable.wiring, timetable.schedule, vector.data)
+        sources = [*parts, ""]
         self._kernel = c.Kernel(
+            fault=c.FaultFunction(lambda i, k: faults.apply(sources[i], k)),
             parts=addressof(self._parts),
             tables=addressof(self._rows),
             tick_num=tick.numerator,
@@ -218,6 +222,8 @@ class Kernel:
 
     def _op(self, op: Op) -> c.Op:
         targets = self._target_row if op.code == "row" else self._target
+        if op.code == "fault" and not op.target:
+            return c.Op(_CODES["fault"], len(targets))
         return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)
 
 

@@ -14,7 +14,7 @@ from fmus.build import cache_folder
 from fmus.compile import compile_alone, host_platform
 
 SOURCES = [Path(__file__).with_name(name) for name in ("kernel.c", "channel.c")]
-CODES = ("step", "read", "copy", "release", "write", "hold", "row")
+CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
 FAILURES = ("", "step", "get", "set", "not finite", "does not fit")
 DOING = ("set", "doStep", "get")  # of a channel
 ASK = ("step", "exchange", "leave")
@@ -120,6 +120,9 @@ class Program(ctypes.Structure):
     _fields_: ClassVar[Any] = [("ops", c_void_p), ("n", c_size_t)]
 
 
+FaultFunction = ctypes.CFUNCTYPE(None, c_int32, c_int64)
+
+
 class Kernel(ctypes.Structure):
     """All of it, and how the latest call ended."""
 
@@ -129,6 +132,7 @@ class Kernel(ctypes.Structure):
         ("programs", c_void_p),
         ("tick_num", c_int64),
         ("tick_den", c_int64),
+        ("fault", FaultFunction),
         ("profiled", c_int32),
         ("full", c_int32),
         ("failure", c_int32),

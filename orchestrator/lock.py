@@ -47,6 +47,10 @@ def locked(composition: Composition) -> dict[str, Any]:
         "stop": time_text(system.stop),
         "components": {n: _component(c) for n, c in system.components.items()},
         "connections": dict(system.connections),
+        "faults": {
+            name: [_plain(fault.model_dump(exclude_none=True)) for fault in faults]
+            for name, faults in spec.faults.items()
+        },
         "record": {name: time_text(row) for name, row in system.record.items()},
         "metrics": _plain(metrics),
         "expect": expect,

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
+from orchestrator.faults import describe
 from orchestrator.quantity import Quantity, rate
 from orchestrator.report_contour import contours
 from orchestrator.report_figure import figure, name_of, names_of
@@ -121,6 +122,8 @@ def _facts(run: "Run") -> str:
         )
     if run.scenario.overrides:
         lines.append(f"Overrides: {', '.join(run.scenario.overrides)}.")
+    for sink, faults in system.faults.items():
+        lines.append(f"Faults of {sink}: {', '.join(map(describe, faults))}.")
     for name, found in composition.designs.items():
         values = ", ".join(f"{k} = {_short(v)}" for k, v in found.values.items())
         lines.append(f"Design {name} ({found.call}): {values}.")

@@ -1,7 +1,7 @@
 """What a scenario file says, validated; nothing is built or run here.
 
 A scenario is TOML: ``stop``, ``rates``, ``components``, ``connections``,
-``design``, ``record``, ``metrics``, ``expect``.  The order of precedence is
+``faults``, ``design``, ``record``, ``metrics``, ``expect``.  The order of precedence is
 
     start value of the FMU < design step < scenario file < --set
 
@@ -29,7 +29,15 @@ from orchestrator.scenario_schema import RateContext, Specification
 STUDIES = Path(__file__).parent / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
 LOG = logging.getLogger("feeddrive")
-REMOVABLE = ("components", "connections", "design", "record", "metrics", "expect")
+REMOVABLE = (
+    "components",
+    "connections",
+    "faults",
+    "design",
+    "record",
+    "metrics",
+    "expect",
+)
 _NOT_SCENARIOS = ("reference.toml",)
 
 
@@ -205,7 +213,7 @@ def _detach(
     merged: dict[str, Any], gone: Sequence[str], layer: Mapping[str, Any]
 ) -> None:
     """Drop the inherited connections and records of components that were removed."""
-    for table in ("connections", "record"):
+    for table in ("connections", "faults", "record"):
         own = layer.get(table, {})
         entries = merged.get(table, {})
         merged[table] = {

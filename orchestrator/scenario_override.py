@@ -3,6 +3,8 @@
     component.parameter   component.nested.parameter   component.state.x_1
     component.step  .offset  .latency  .fmu  .kind     (of the component itself)
     rates.name   stop   fmi
+    faults.component.input.value  .samples  .window  .kind
+    faults.component.input=false (leave it out)
     design.name.argument   design.name.from_run   design.name=false (leave it out)
 
 ``component.parameters.name`` and ``component.start.name`` reach a variable
@@ -21,6 +23,7 @@ from orchestrator.scenario_schema import parse_value
 
 _OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind")
 _OF_DESIGN = ("from_run", "call")
+_OF_FAULT = ("kind", "value", "samples", "window")
 
 
 def apply_override(raw: dict[str, Any], text: str) -> bool:
@@ -43,11 +46,13 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
         raw["rates"][rest] = value
     elif head == "design" and rest:
         _set_design(raw, text, rest, value)
+    elif head == "faults" and rest:
+        _set_fault(raw, text, rest, value)
     elif head in components and rest:
         _set_component(components[head], text, rest, value)
         return True
     elif rest:
-        _known(text, "component", head, [*components, "rates", "design"])
+        _known(text, "component", head, [*components, "rates", "design", "faults"])
     else:
         known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
         raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
@@ -141,6 +146,21 @@ def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
         steps[name][argument] = value
     else:
         steps[name].setdefault("arguments", {})[argument] = value
+
+
+def _set_fault(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    faults = raw.get("faults", {})
+    if rest in faults and value is False:
+        del faults[rest]
+        return
+    name, _, key = rest.rpartition(".")
+    _known(text, "fault", name if key in _OF_FAULT else rest, faults)
+    if not isinstance(faults.get(name), dict):
+        raise ScenarioError(
+            f"--set {text}: write faults.{name or rest}.value= where there is one "
+            f"fault, or faults.{name or rest}=false to leave them out"
+        )
+    faults[name][key] = value
 
 
 def _known(text: str, noun: str, name: str, table: Iterable[str]) -> None:

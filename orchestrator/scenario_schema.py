@@ -25,10 +25,10 @@ from pydantic import (
 
 from orchestrator.errors import did_you_mean
 from orchestrator.quantity import parse_bytes, parse_period, parse_time
-from orchestrator.scenario_metrics import Expectation, MetricSpec, Strict
-from orchestrator.system import Kind, Value, split_name
+from orchestrator.scenario_metrics import Expectation, MetricSpec, Strict, Window
+from orchestrator.system import FaultKind, Kind, Value, split_name
 
-_RESERVED = ("stop", "fmi", "rates", "design", "base")
+_RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
 
 
 @dataclass
@@ -165,6 +165,31 @@ class DesignSpec(Strict):
         return self
 
 
+class FaultSpec(Strict):
+    """A fault of an input: its kind, number, and window [from, to) (s; always)."""
+
+    kind: FaultKind
+    value: float | None = None
+    samples: int | None = Field(default=None, ge=1)
+    window: Window | None = None
+
+    @model_validator(mode="after")
+    def _says_its_number(self) -> "FaultSpec":
+        needed = {"stuck": None, "delay": "samples"}.get(self.kind, "value")
+        for key in ("value", "samples"):
+            given = getattr(self, key) is not None
+            if given != (key == needed):
+                verb = "takes no" if given else "needs its"
+                raise ValueError(f"kind {self.kind!r} {verb} {key}")
+        if self.value is not None and not np.isfinite(self.value):
+            raise ValueError(f"value: {self.value} is not a finite number")
+        if self.kind == "quantisation" and not (self.value or 0) > 0:
+            raise ValueError("value: a quantum is greater than zero")
+        if self.window is not None and self.window[0] < 0:
+            raise ValueError("window: begins before the start at 0")
+        return self
+
+
 class Specification(Strict):
     """All a scenario says, after inheritance and overrides."""
 
@@ -175,6 +200,7 @@ class Specification(Strict):
     rates: dict[str, Rate] = Field(default_factory=dict)
     components: dict[str, ComponentSpec] = Field(min_length=1)
     connections: dict[str, Source] = Field(default_factory=dict)
+    faults: dict[str, tuple[FaultSpec, ...]] = Field(default_factory=dict)
     design: dict[str, DesignSpec] = Field(default_factory=dict)
     record: dict[str, Row] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
@@ -189,6 +215,14 @@ class Specification(Strict):
         if info.context is not None:
             info.context.rates.update(value)
         return value
+
+    @field_validator("faults", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        one = {k: (v,) if isinstance(v, dict) else v for k, v in value.items()}
+        return {k: tuple(v) if isinstance(v, list) else v for k, v in one.items()}
 
     @field_validator("components")
     @classmethod
@@ -209,6 +243,8 @@ class Specification(Strict):
                 self._variable(f'connections."{sink}"', end)
                 if end.count("*") > 1:
                     raise ValueError(f'connections."{sink}": {end!r} has several *')
+        for name in self.faults:
+            self._variable(f'faults."{name}"', name)
         for name in self.record:
             self._variable(f'record."{name}"', name)
         for name, metric in self.metrics.items():

@@ -103,8 +103,8 @@ class Schedule:
 
     @property
     def hyperperiod(self) -> int:
-        """Ticks after which the pattern of due clocks repeats."""
-        return lcm(*self.every) if self.every else 1
+        """Ticks after which the pattern repeats of the clocks due more than once."""
+        return lcm(*(every for every in self.every if every <= self.stop))
 
     def seconds(self, k: int) -> float:
         """Return the time of instant k, rounded once: k * num / den in doubles."""

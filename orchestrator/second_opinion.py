@@ -122,6 +122,8 @@ def _recording(system: System) -> System:
                 f"components.{c.name}: the other tools know no offset and no latency "
                 f"of more than one sample"
             )
+    if system.faults:
+        raise ScenarioError("the other tools know no faults; leave them out")
     if system.stop % period:
         raise ScenarioError(f"stop: the other tools need a multiple of {period} s")
     wiring = plan(system).wiring

@@ -45,7 +45,9 @@ class Stepper:
         )
         written = start_values(component, self.description)
         with ExitStack() as stack:
-            self._instance = open_instance(component.name, self.description, stack)
+            self._instance = open_instance(
+                component.name, self.description, stack, component.isolation
+            )
             self._instance.instantiate()
             self._instance.write(
                 [variable for variable, _ in written],

@@ -4,11 +4,14 @@ At instant k (time t):
 
 1. ``advance``: continuous components due, and those that a source publishes to
    strictly inside their step, are stepped to t with what they were last given;
+   where the window of a fault begins or ends, ``fault`` renews all faulty inputs;
 2. ``read`` and ``copy``: outputs of the due ones are exchanged;
 3. sampled components due, in running order: first every ``release`` (latency
    lines publish), then each ``write``, ``tick``, ``read``, ``copy`` or ``hold``;
    then ``write`` for the continuous components stepped at this instant;
 4. ``row``: tables due are recorded; at the stop all of them.
+
+What a component with faults on its connections copies is followed by ``fault``.
 
 At instant 0 no component is advanced: initialisation has made its outputs.
 Equal situations share one program; executors compile each only once.
@@ -22,13 +25,17 @@ from typing import Literal, NamedTuple
 
 from orchestrator.order import running_order
 from orchestrator.schedule import Clock, Schedule, Stretch
-from orchestrator.wiring import Edge, Part, Wiring
+from orchestrator.wiring import Edge, Faulty, Part, Wiring
 
-Code = Literal["advance", "read", "copy", "release", "write", "tick", "hold", "row"]
+Code = Literal[
+    "advance", "read", "copy", "release", "write", "tick", "hold", "row", "fault"
+]
 
 
 class Op(NamedTuple):
     """One operation on a component (or on a table, for ``row``).
+
+    ``fault`` follows what its target published; without one all are renewed.
 
     ``back`` and ``h`` of an ``advance``: it starts ``back`` ticks before this
     instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
@@ -57,6 +64,8 @@ class Timetable:
         }
         for period in self.wiring.tables:
             clocks[table_name(period)] = Clock(period)
+        once = self.wiring.system.stop + next(iter(clocks.values())).period
+        clocks |= {name: Clock(once, t) for name, t in self._switches.items()}
         return Schedule.of(clocks, self.wiring.system.stop)
 
     @cached_property
@@ -105,15 +114,22 @@ class Timetable:
             once = tuple(program(k, mask) for k, mask in replace(masks, repeats=1))
             first, length, repeats = masks.first, masks.length, masks.repeats
             yield Stretch(first, length, repeats, masks.offsets, once)
-            later = (repeats - 1) * length
-            last[:] = [k + later for k in last]
+            begun, later = first + masks.offsets[0], (repeats - 1) * length
+            last[:] = [k + later if k >= begun else k for k in last]
 
     def _splitters(self, part: Part, bit: dict[str, int]) -> int:
-        """Return the mask of sources at whose ticks a component's step is split."""
+        """Return the mask of the clocks that split a component's steps."""
         if not part.fmu.variable_step:
             return 0
-        sources = {e.source for e in self.wiring.edges if e.sink == part.name}
-        return sum(bit[name] for name in sources)
+        wiring = self.wiring
+        splitters = {e.source for e in wiring.edges if e.sink == part.name}
+        splitters |= {
+            _switch_name(t)
+            for faulty in wiring.faulty
+            if faulty.edge.sink == part.name
+            for t in switches(faulty)
+        }
+        return sum(bit[name] for name in splitters if name in bit)
 
     def _program(
         self,
@@ -134,6 +150,8 @@ class Timetable:
                     else self.schedule.duration(back)
                 )
                 ops.append(Op("advance", part.name, back, h))
+        if any(mask & bit[name] for name in self._switches):
+            ops.append(Op("fault", ""))
         for part in self.continuous:
             if (mask & bit[part.name] or ending) and not first:
                 ops += [Op("read", part.name), Op("copy", part.name)]
@@ -151,10 +169,24 @@ class Timetable:
             name = table_name(period)
             if mask & bit[name] or ending:
                 ops.append(Op("row", name))
-        return tuple(op for op in ops if self._does_something(op))
+        done = [op for op in ops if self._does_something(op)]
+        return tuple(followed for op in done for followed in self._with_fault(op))
+
+    @cached_property
+    def _switches(self) -> dict[str, Fraction]:
+        """All times at which some fault begins or ends, by the name of their clock."""
+        faulty, stop = self.wiring.faulty, self.wiring.system.stop
+        times = sorted({t for f in faulty for t in switches(f) if t <= stop})
+        return {_switch_name(t): t for t in times}
+
+    def _with_fault(self, op: Op) -> tuple[Op, ...]:
+        sources = {faulty.edge.source for faulty in self.wiring.faulty}
+        if op.code in ("copy", "release") and op.target in sources:
+            return op, Op("fault", op.target)
+        return (op,)
 
     def _does_something(self, op: Op) -> bool:
-        if op.code == "row":
+        if op.code in ("row", "fault"):
             return True
         part = self.wiring.parts[op.target]
         if op.code == "write":
@@ -164,6 +196,16 @@ class Timetable:
         if op.code == "copy":
             return bool(part.copies)
         return True
+
+
+def switches(faulty: Faulty) -> frozenset[Fraction]:
+    """Return the times (s) at which a fault of an input begins or ends."""
+    starts = {fault.start for fault in faulty.faults}
+    return frozenset(starts | {f.end for f in faulty.faults if f.end is not None})
+
+
+def _switch_name(t: Fraction) -> str:
+    return f"fault at {t} s"
 
 
 def table_name(period: Fraction) -> str:

@@ -7,7 +7,7 @@ units that do not fit, what is no input, a latency on a continuous component,
 parameters that are not numbers or cannot be set.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -15,7 +15,7 @@ from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu import FmuDescription, FmuVariable
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
-from orchestrator.system import Component, Kind, System, split_name
+from orchestrator.system import Component, Fault, Kind, System, split_name
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,19 @@ class Part:
 
 
 @dataclass(frozen=True)
+class Faulty:
+    """A place of an input that has faults, and the edge that brings its value.
+
+    ``affine`` leads from our side of the input to the FMU's.
+    """
+
+    edge: Edge
+    place: int
+    affine: Affine
+    faults: tuple[Fault, ...]
+
+
+@dataclass(frozen=True)
 class Column:
     """A recorded number: its name and unit, and where it stands."""
 
@@ -90,6 +103,7 @@ class Wiring:
     tables: Mapping[Fraction, tuple[Column, ...]]
     size: int
     notes: tuple[str, ...]
+    faulty: tuple[Faulty, ...] = ()
 
 
 def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
@@ -122,7 +136,44 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         {period: tuple(columns) for period, columns in tables.items()},
         layout.size,
         tuple(notes),
+        tuple(_faulty(system, fmus, layout)),
     )
+
+
+def _faulty(
+    system: System, fmus: Mapping[str, FmuDescription], layout: "_Layout"
+) -> Iterator[Faulty]:
+    """Yield every place of an input that has faults.
+
+    Raises:
+        WiringError: no connection leads there, or a number is computed of a switch.
+    """
+    brought = {
+        (t.component, t.variable.name, t.element): Edge(
+            s.component, s.variable.name, t.component, t.variable.name
+        )
+        for s, t, _ in layout.links
+    }
+    for name, faults in system.faults.items():
+        where = f"faults.{name!r}"
+        for port in _ports_of(system, fmus, name, where):
+            key = (port.component, port.variable.name)
+            edge = brought.get((*key, port.element))
+            if edge is None:
+                known = {f"{e.sink}.{e.input}" for e in brought.values()}
+                raise WiringError(
+                    f"{where}: no connection leads to {port.full_name}; "
+                    f"{did_you_mean(name, known)}"
+                )
+            if port.variable.sort != "real" and (
+                kinds := {f.kind for f in faults} & {"bias", "gain", "quantisation"}
+            ):
+                raise WiringError(
+                    f"{where}: {port.full_name} is {port.variable.sort}, which has no "
+                    f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
+                )
+            affine = Affine(port.gain, port.offset)
+            yield Faulty(edge, layout.input_at[key] + port.element, affine, faults)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
