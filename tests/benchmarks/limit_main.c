@@ -1,0 +1,25 @@
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+int main(int n, char **arguments) {
+    file = fopen(arguments[n - 1], "wb");
+    start();
+    double begun = now();
+    int good = first(0);
+    for (long long k = 1; good && k < N; k++)
+        good = steady(k);
+    good = good && last(N);
+    double took = now() - begun;
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    printf("{\"seconds\": %.9g, \"steps\": %d, \"peak\": %ld, \"last\": [", took, N,
+           1024 * usage.ru_maxrss);
+    for (int c = 0; c < COLUMNS; c++)
+        printf("%s%.17g", c ? ", " : "", rows[c][filled - 1]);
+    printf("]}\n");
+    return !good;
+}
