@@ -1,5 +1,6 @@
 """The verb ``second-opinion``: the same system in other people's tools."""
 
+from contextlib import suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated
 
@@ -52,8 +53,8 @@ def second_opinion(
     loaded = load(scenario, sets, swap, map, fmi)
     if install:
         for name in chosen:
-            with waiting(f"installing {name}"):
-                environment.install(environment.PEERS[name])
+            with waiting(f"installing {name}"), suppress(environment.PeerError):
+                environment.install(environment.PEERS[name])  # else told in the table
     with waiting(f"running {loaded.name} here and in {', '.join(chosen)}"):
         found = opinions.second_opinion(loaded, chosen)
     if json:

@@ -109,7 +109,10 @@ class _Acting:
 
 def describe(fault: Fault) -> str:
     """Return a fault in words, for lists: ``bias 0.5 from 0.1 s to 0.2 s``."""
-    numbers = {"stuck": "", "delay": f" of {fault.samples} samples"}
+    numbers = {
+        "stuck": "",
+        "delay": f" of {fault.samples} sample{'s' * (fault.samples > 1)}",
+    }
     what = fault.kind + numbers.get(fault.kind, f" {fault.value:g}")
     begin, end = fault.start, fault.end
     if end is None:

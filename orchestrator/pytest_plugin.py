@@ -197,13 +197,18 @@ def run_scenario(request: pytest.FixtureRequest) -> "Callable[..., Run]":
     Arguments as for ``compose_scenario``; the result has signals by name,
     ``metrics``, ``checks`` and its ``folder``.
     """
+    from itertools import count
+
     from orchestrator.session import run
+
+    numbers = count(1)  # every run of a test keeps its own folder
 
     def ran(
         scenario: str | Path | Mapping[str, Any], *overrides: str, **options: Any
     ) -> "Run":
         loaded = _scenario(request.path, scenario, overrides, **options)
-        return run(loaded, _folder(request.config, request.node.nodeid))
+        name = f"{request.node.nodeid}-{next(numbers)}"
+        return run(loaded, _folder(request.config, name))
 
     return ran
 

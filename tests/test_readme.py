@@ -55,7 +55,7 @@ def test_the_python_of_the_readme_runs(
 
 
 def test_the_scenario_of_the_docs_is_one(tmp_path: Path) -> None:
-    (scenario, _) = blocks((ROOT / "docs" / "scenarios.md").read_text(), "toml")
+    scenario, *_ = blocks((ROOT / "docs" / "scenarios.md").read_text(), "toml")
     assert tomllib.loads(scenario)
     file = tmp_path / "scenario.toml"
     file.write_text(scenario)

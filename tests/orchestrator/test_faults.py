@@ -1,5 +1,7 @@
 """A fault on a connection acts when its window says, on what the input receives."""
 
+import re
+import tomllib
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -271,6 +273,15 @@ def test_a_stuck_encoder_is_told_from_the_command_line_of_a_base(
     assert load_scenario(file, ["faults.b.u=false"]).spec.faults == {}
     with pytest.raises(ScenarioError, match="there is no fault"):
         load_scenario(file, ["faults.b.w.value=2.5"])
+
+
+def test_the_faults_of_the_docs_can_be_run(tmp_path: Path) -> None:
+    docs = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
+    (written,) = re.findall(r"```toml\n(\[faults\]\n.*?)```", docs, re.DOTALL)
+    file = load_scenario("ball_screw_pole_placement/mc_ppc_track_500").file
+    raw = read_scenario(file) | tomllib.loads(written)
+    faults = compose(scenario_from(raw, file), run_earlier).system.faults
+    assert [len(chain) for chain in faults.values()] == [1, 2]
 
 
 def test_a_lock_file_repeats_the_faults(tmp_path: Path) -> None:

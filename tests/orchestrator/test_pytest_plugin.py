@@ -33,8 +33,10 @@ def run(pytester: pytest.Pytester, *arguments: str) -> pytest.RunResult:
 
 
 def test_the_example_of_the_docs_passes(example: pytest.Pytester) -> None:
-    result = run(example)
-    result.assert_outcomes(passed=5)
+    run(example, "--feeddrive-runs", "kept").assert_outcomes(passed=5)
+    kept = {folder.name for folder in (example.path / "kept").iterdir()}
+    assert "tests-speed_step.toml--expect" in kept
+    assert len(kept) == 3  # the test that compares two runs keeps both
 
 
 def test_a_composition_that_misses_its_bounds_fails_and_says_where(
