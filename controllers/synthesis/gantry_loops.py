@@ -128,7 +128,7 @@ def figures(
         parameters: by name, see the module.
 
     Raises:
-        KeyError: no such controller, domain or parameter.
+        LookupError: no such controller, domain or parameter.
     """
     if domain == "z":
         loop = sampled_loop(controller, x, parameters, latency, T_s)
@@ -138,7 +138,7 @@ def figures(
         found["turns"] = float(mv.clockwise_turns(loop))
         return found | _fastest_growing(eigenvalues, T_s)
     if domain != "s":
-        raise KeyError(f"no domain {domain!r}: z or s")
+        raise LookupError(f"no domain {domain!r}: z or s")
     return named(continuous_response(controller, x, parameters))
 
 
@@ -245,7 +245,7 @@ def _parts(
 ) -> tuple[ct.StateSpace, Record]:
     """Return the plant (u_1, u_2) → (y_1, y_2) and the controller's parameters."""
     if controller not in CONTROLLERS:
-        raise KeyError(f"no controller {controller!r}, there are mimo and pid")
+        raise LookupError(f"no controller {controller!r}, there are mimo and pid")
     records = {
         "plant": gantry_drive.model.parameters,
         "controller": CONTROLLERS[controller][0].parameters,

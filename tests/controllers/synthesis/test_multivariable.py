@@ -3,7 +3,7 @@
 import control as ct
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controllers.synthesis.multivariable import (
@@ -34,6 +34,7 @@ def test_decoupled_loops_have_the_singular_values_of_each():
     assert upper(response.S)[0] == pytest.approx(abs(1 / (1 + 100 * T_s / (z[0] - 1))))
 
 
+@settings(max_examples=10)
 @given(gains=st.lists(st.floats(10, 3000), min_size=2, max_size=2))
 def test_the_turns_count_the_poles_outside_the_unit_circle(gains):
     # one sample of delay: unstable from a gain of 1/T_s on
