@@ -39,6 +39,12 @@ enum { NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT };
 enum { WARNING = 1 };
 enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
 
+#if defined(__GNUC__)
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+#else
+#define ALWAYS_INLINE inline
+#endif
+
 typedef void Function(void); /* of an FMU, called by its true type */
 
 /* Variables of one type.  Doubles lie in the vector, and buffer points there. */
@@ -120,7 +126,7 @@ static double seconds(const Kernel *kernel, int64_t k) {
     return (double)(k * kernel->tick_num) / (double)kernel->tick_den;
 }
 
-static int call(const Group *g, Function *function, void *instance) {
+static ALWAYS_INLINE int call(const Group *g, Function *function, void *instance) {
     if (g->major == 2)
         return ((int (*)(void *, const uint32_t *, size_t, void *))function)(
             instance, g->references, g->n_references, g->buffer);
@@ -189,7 +195,7 @@ static int fail(Kernel *kernel, int failure, int64_t k, const Op *op, size_t gro
     return 0;
 }
 
-static int step(Kernel *kernel, Part *p, const Op *op, int64_t k, double t) {
+static ALWAYS_INLINE int step(Kernel *kernel, Part *p, const Op *op, int64_t k, double t) {
     double reached;
     _Bool event, ended = 0, early = 0;
     int status;
@@ -207,7 +213,7 @@ static int step(Kernel *kernel, Part *p, const Op *op, int64_t k, double t) {
     return 1;
 }
 
-static int get_outputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+static ALWAYS_INLINE int get_outputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     for (size_t i = 0; i < p->n_outputs; i++) {
         const Group *g = p->outputs + i;
         int status = call(g, g->get, p->instance);
@@ -222,7 +228,7 @@ static int get_outputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     return 1;
 }
 
-static int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+static ALWAYS_INLINE int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     for (size_t i = 0; i < p->n_inputs; i++) {
         const Group *g = p->inputs + i;
         if (g->type != F64 && !to_buffer(g))
@@ -234,7 +240,7 @@ static int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     return 1;
 }
 
-static void copy(const Part *p) {
+static ALWAYS_INLINE void copy(const Part *p) {
     const Copy *c = p->copies, *exact = c + p->n_exact, *end = c + p->n_copies;
     for (; c < exact; c++)
         *c->sink = *c->source;
@@ -256,38 +262,50 @@ static void release(const Part *p) {
     copy(p);
 }
 
-static void record(Kernel *kernel, const Table *table, int64_t k) {
+static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
     int64_t row = (*table->count)++;
     double *place = table->columns + row;
-    table->time[row] = seconds(kernel, k);
+    table->time[row] = t;
     for (size_t c = 0; c < table->n_columns; c++, place += table->capacity)
         *place = *table->sources[c];
     if (*table->count == table->capacity)
         kernel->full = 1;
 }
 
+/* Instant k and the one before, with their times: a division each is saved. */
+typedef struct {
+    int64_t k, last_k;
+    double t, last_t; /* s */
+} Now;
+
+static ALWAYS_INLINE double start_of(const Kernel *kernel, const Now *now,
+                                     const Op *op) {
+    int64_t k = now->k - op->back;
+    return k == now->last_k ? now->last_t : k == now->k ? now->t : seconds(kernel, k);
+}
+
 /* Returns 0 if the operation fails. */
-static int carry_out(Kernel *kernel, const Op *op, int64_t k) {
+static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now) {
     Part *p = kernel->parts + op->target;
+    int64_t k = now->k;
     switch (op->code) {
-    case STEP: return step(kernel, p, op, k, seconds(kernel, k - op->back));
+    case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));
     case READ: return get_outputs(kernel, p, op, k);
     case COPY: copy(p); return 1;
     case RELEASE: release(p); return 1;
     case WRITE: return set_inputs(kernel, p, op, k);
     case HOLD: hold(p); return 1;
     case FAULT: kernel->fault(op->target, k); return 1;
-    default: record(kernel, kernel->tables + op->target, k); return 1;
+    default: record(kernel, kernel->tables + op->target, now->t); return 1;
     }
 }
 
 /* Carry out one operation on the only part, for channel.c; returns 0 if it fails. */
 int kernel_one(Kernel *kernel, int32_t code, double t, double h) {
     Op op = {code, 0, 0, h};
+    const Now now = {0, 0, t, t};
     kernel->failure = NONE;
-    if (code == STEP)
-        return step(kernel, kernel->parts, &op, 0, t);
-    return carry_out(kernel, &op, 0);
+    return carry_out(kernel, &op, &now);
 }
 
 /* Seconds of a clock that only counts up. */
@@ -314,10 +332,11 @@ EXPORT double kernel_reading(void) {
 }
 
 /* As carry_out, adding the time it takes to the part's or the master's. */
-static int carry_out_timed(Kernel *kernel, const Op *op, int64_t k, double *last) {
-    int done = carry_out(kernel, op, k);
-    double now = kernel_now(), spent = now - *last;
-    *last = now;
+static int carry_out_timed(Kernel *kernel, const Op *op, const Now *now,
+                           double *last) {
+    int done = carry_out(kernel, op, now);
+    double read = kernel_now(), spent = read - *last;
+    *last = read;
     if (op->code == STEP || op->code == READ || op->code == WRITE) {
         kernel->parts[op->target].spent += spent;
         kernel->parts[op->target].readings++;
@@ -335,15 +354,24 @@ EXPORT int64_t kernel_run(Kernel *kernel, const Stretch *stretch, int64_t from,
     size_t i = (size_t)from % stretch->n;
     int64_t begin = stretch->first + from / (int64_t)stretch->n * stretch->length;
     double last = kernel->profiled ? kernel_now() : 0;
+    Now now = {-1, -1, 0, 0};
     kernel->full = kernel->failure = 0;
     for (int64_t done = 0; done < count; done++) {
         const Program *program = kernel->programs + stretch->programs[i];
         const Op *op = program->ops, *end = op + program->n;
-        int64_t k = begin + stretch->offsets[i];
-        for (; op < end; op++)
-            if (!(kernel->profiled ? carry_out_timed(kernel, op, k, &last)
-                                   : carry_out(kernel, op, k)))
-                return done;
+        now.last_k = now.k;
+        now.last_t = now.t;
+        now.k = begin + stretch->offsets[i];
+        now.t = seconds(kernel, now.k);
+        if (kernel->profiled) {
+            for (; op < end; op++)
+                if (!carry_out_timed(kernel, op, &now, &last))
+                    return done;
+        } else {
+            for (; op < end; op++)
+                if (!carry_out(kernel, op, &now))
+                    return done;
+        }
         if (kernel->full)
             return done + 1;
         if (++i == stretch->n) {
