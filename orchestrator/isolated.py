@@ -40,6 +40,7 @@ from orchestrator.isolated_child import CHANNEL, serve
 from orchestrator.system import Isolation
 
 REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
+LOADED_WITHIN = 60.0  # s for a child to start and load the FMU, at least
 ENDING_WITHIN = 5.0  # s for a child to free its FMU
 
 
@@ -231,8 +232,11 @@ class IsolatedInstance:
 
     def _answer(self, request: str) -> Any:
         self._waiting = True
+        within = self._isolation.answer_within
+        if request == "load":
+            within = max(within, LOADED_WITHIN)
         try:
-            kind, value = self._answers.get(timeout=self._isolation.answer_within)
+            kind, value = self._answers.get(timeout=within)
         except queue.Empty:
             raise self._late() from None
         self._waiting = False
@@ -240,7 +244,7 @@ class IsolatedInstance:
             raise value
         if kind == "ended":
             self._answers.put((kind, value))
-            raise self._died(request.replace("_", " "))
+            raise self._died(self._doing())
         return value
 
     def _listen(self) -> None:

@@ -62,7 +62,7 @@ def serve(
         send("error", error)
         return
     while True:
-        if server.channel is not None and (refusal := server.listen()):
+        if server.listening and (refusal := server.listen()):
             send("error", refusal)
             server.answer()
             continue
@@ -86,7 +86,7 @@ class _Server:
 
     def __init__(self, instance: LocalInstance, folder: Path, shared: bool):
         self.instance, self.folder, self.by_channel = instance, folder, shared
-        self.channel: c.Channel | None = None
+        self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
         if request in ("bind", "step", "exchange"):
@@ -104,7 +104,7 @@ class _Server:
         self.instance.bind(values, inputs, 0, outputs, n)
         if self.by_channel:
             self.kernel = self._kernel()
-            self.channel = self.shared
+            self.listening = True
 
     def _kernel(self) -> c.Kernel:
         """Return a kernel of which this FMU is the only part."""
@@ -127,8 +127,7 @@ class _Server:
     def listen(self) -> FeedDriveError | None:
         """Serve the channel; return the error of a request that failed."""
         library = c.library()
-        channel = ctypes.addressof(self.channel)  # type: ignore[arg-type]
-        if library.channel_serve(channel, self.kernel):
+        if library.channel_serve(ctypes.addressof(self.shared), self.kernel):
             return None
         kernel, instance = self.kernel, self.instance
         how = c.FAILURES[int(kernel.failure)]
@@ -146,7 +145,7 @@ class _Server:
 
     def answer(self) -> None:
         """Tell the master that its request failed."""
-        c.library().channel_answer(self.channel)
+        c.library().channel_answer(ctypes.addressof(self.shared))
 
     def exchange(self) -> None:
         """Set inputs that were given, get outputs; through the pipe."""

@@ -212,6 +212,7 @@ def library() -> Any:
     loaded.kernel_reading.restype = c_double
     loaded.kernel_reading.argtypes = []
     loaded.channel_serve.argtypes = [c_void_p, ctypes.POINTER(Kernel)]
+    loaded.channel_answer.argtypes = [c_void_p]
     loaded.channel_ask.argtypes = [c_void_p, c_int32]
     loaded.channel_step.argtypes = [c_void_p, c_double, c_double, c_int32]
     return loaded
