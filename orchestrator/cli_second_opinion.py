@@ -1,6 +1,5 @@
 """The verb ``second-opinion``: the same system in other people's tools."""
 
-from contextlib import suppress
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated
 
@@ -53,8 +52,11 @@ def second_opinion(
     loaded = load(scenario, sets, swap, map, fmi)
     if install:
         for name in chosen:
-            with waiting(f"installing {name}"), suppress(environment.PeerError):
-                environment.install(environment.PEERS[name])  # else told in the table
+            try:
+                with waiting(f"installing {name}"):
+                    environment.install(environment.PEERS[name])
+            except environment.PeerError as error:
+                typer.echo(str(error), err=True)
     with waiting(f"running {loaded.name} here and in {', '.join(chosen)}"):
         found = opinions.second_opinion(loaded, chosen)
     if json:

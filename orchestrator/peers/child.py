@@ -17,8 +17,14 @@ from pathlib import Path
 
 
 def main() -> None:
-    """Run the job."""
-    tool, target = sys.argv[1:]
+    """Run the job; what the tool objects to is the last line on stderr."""
+    try:
+        _run(*sys.argv[1:])
+    except Exception as error:
+        sys.exit(" ".join(str(error).split()) or type(error).__name__)
+
+
+def _run(tool: str, target: str) -> None:
     job = json.load(sys.stdin)
     rows = runpy.run_path(tool)["rows"]
     with Path(target).open("wb") as file:

@@ -33,12 +33,17 @@ def tool(request: pytest.FixtureRequest) -> str:
     return name
 
 
-def two_counters(latency: int = 0, **other: Any) -> Scenario:
-    """A counter read by another one, millimetres into metres between them."""
+def two_counters(
+    latency: int = 0, b: Mapping[str, Any] | None = None, **other: Any
+) -> Scenario:
+    """A counter read by another one."""
     counter = {"fmu": str(MODELS / "counter.py"), "step": "1/1000"}
     tables = {
         "stop": "1/100",
-        "components": {"a": {**counter, "latency": latency}, "b": dict(counter)},
+        "components": {
+            "a": {**counter, "latency": latency},
+            "b": {**counter, **(b or {})},
+        },
         "connections": {"b.u": "a.k"},
         "record": {"b.seen": True},
         **other,
@@ -72,6 +77,18 @@ def test_a_reader_sees_the_sample_before_in_a_tool(tool: str) -> None:
         assert [s.difference for s in peer.signals] == [0.0, 0.0]
     seen = {s.signal: s.as_written for s in late.peers[0].signals}
     assert seen == {"a.k": 1.0, "b.seen": 2.0}  # counts: a sample is 1
+
+
+def test_a_conversion_is_done_where_the_tool_can_and_told_where_it_cannot(
+    tool: str,
+) -> None:
+    other = {"name": "u", "gain": -2.0, "offset": 0.5}
+    scenario = two_counters(b={"map": {"w": other}}, connections={"b.w": "a.k"})
+    (peer,) = opinions.second_opinion(scenario, [tool]).peers
+    if tool in ("libcosimpy", "fmucontainer"):
+        assert "b.u needs a conversion of units" in peer.refusal
+    else:
+        assert [s.difference for s in peer.signals] == [0.0, 0.0]
 
 
 def test_labels_that_are_a_sample_late_are_found(
