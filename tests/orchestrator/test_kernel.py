@@ -2,17 +2,15 @@
 
 import logging
 import re
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 from foreign import TYPES, foreign
-from systems import MODELS, part, system
+from systems import part, system
 
 import orchestrator.kernel_library
-from fmus.build import build
 from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.result import Result
@@ -134,19 +132,6 @@ def test_without_a_compiler_python_takes_over_with_a_warning(
     assert "compiler is missing" in message
     assert "Python executor is used" in message
     with pytest.raises(SimulationError, match=r"executor kernel.*compiler is missing"):
-        simulate(given, tmp_path, executor="kernel")
-
-
-def test_a_python_fmu_runs_in_the_python_executor_and_says_so(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    native = part("c", "counter", "1/1000")
-    python = build(str(MODELS / "counter.py"), kind="python")
-    given = system("1/1000", [native, replace(native, name="p", fmu=python)])
-    with caplog.at_level(logging.INFO, "feeddrive"):
-        simulate(given, tmp_path)
-    assert any("processes of their own: p" in message for message in caplog.messages)
-    with pytest.raises(SimulationError, match=r"executor kernel.*processes.*p"):
         simulate(given, tmp_path, executor="kernel")
 
 
