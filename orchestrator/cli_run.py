@@ -17,6 +17,7 @@ from orchestrator.cli_output import (
     set_up_logs,
     waiting,
 )
+from orchestrator.cli_swap import compare, load_original, print_swap
 from orchestrator.quantity import rate, time_text
 
 if TYPE_CHECKING:
@@ -93,16 +94,17 @@ def run(
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
     loaded = load(scenario, sets, swap, map, fmi)
-    done = simulate(
-        loaded,
-        output or Path("runs", loaded.name),
-        executor=executor and executor.value,
-        profile=profile,
-    )
+    original = load_original(scenario, sets, swap, map, fmi) if swap else None
+    options = {"executor": executor and executor.value, "profile": profile}
+    done = simulate(loaded, output or Path("runs", loaded.name), **options)
+    before = compare(original, done, swap, **options) if original else None
     if json:
-        print_json(done.summary())
+        told = {"original": before.summary()["metrics"]} if before else {}
+        print_json({**done.summary(), **told})
     else:
         print_run(done)
+        if before:
+            print_swap(before, done)
     failed = [check.text for check in done.checks if not check.met]
     if failed and not (sets or swap):  # a changed scenario may well differ
         typer.echo("expectation not met: " + "; ".join(failed), err=True)

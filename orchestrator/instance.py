@@ -12,7 +12,7 @@ the function, and what the FMU logged.
 
 import ctypes
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import chdir, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -101,7 +101,8 @@ class LocalInstance:
         self._initialized = False
         _require_binary(description, folder)
         try:
-            self._fmu = self._load(folder)
+            with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
+                self._fmu = self._load(folder)
             self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise

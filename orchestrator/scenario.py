@@ -38,6 +38,7 @@ REMOVABLE = (
     "metrics",
     "expect",
 )
+_KEPT = ("step", "offset", "latency", "kind")  # by a component that is swapped
 _NOT_SCENARIOS = ("reference.toml",)
 
 
@@ -249,7 +250,7 @@ def _swap(raw: dict[str, Any], component: str, swap: Mapping[str, Any]) -> None:
             f"{did_you_mean(component, components)}"
         )
     old = components[component]
-    kept = {key: old[key] for key in ("step", "offset", "latency") if key in old}
+    kept = {key: old[key] for key in _KEPT if key in old}
     lost = [f"{t}.{key}" for t in ("parameters", "start") for key in old.get(t, {})]
     if lost:
         LOG.warning(
