@@ -29,6 +29,9 @@ $(READY): pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable . --group dev
 	touch $@
 
+bench: $(READY)
+	$(BIN)/python tests/benchmarks/bench.py
+
 clean:
 	rm -rf .venv dist runs
 

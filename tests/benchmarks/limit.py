@@ -90,7 +90,8 @@ def _instantiate(i: int, part: Part, fmu: str, folder: Path) -> Iterator[str]:
             setter = "set_boolean" if kind == "int" else "set"
             number = int(value) if kind == "int" else value.hex()
             yield f"    {{ unsigned r = {variable.reference + offset};"
-            yield f"      {kind} x = {number}; CHECK({fmu}.{setter}(c{i}, &r, 1, &x)); }}"
+            yield f"      {kind} x = {number};"
+            yield f"      CHECK({fmu}.{setter}(c{i}, &r, 1, &x)); }}"
     yield f"    CHECK({fmu}.setup(c{i}, 0, 0, 0, 0, 0));"
     yield f"    CHECK({fmu}.enter(c{i}));"
     yield f"#define F{i} {fmu}"

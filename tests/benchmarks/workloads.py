@@ -35,8 +35,10 @@ def ring(n: int, steps: int) -> System:
     return System(
         f"ring of {n}",
         steps * T,
-        {name: Component(name, fmu, T, start={"state.x": float(i)})
-         for i, name in enumerate(names)},
+        {
+            name: Component(name, fmu, T, start={"state.x": float(i)})
+            for i, name in enumerate(names)
+        },
         {f"{name}.u": f"{names[i - 1]}.y" for i, name in enumerate(names)},
         dict.fromkeys((f"{name}.y" for name in names), T),
     )

@@ -1,7 +1,8 @@
 /* An FMU of every type that copies inputs to outputs, and fails on demand.
 
    Value references: input i, output 100 + i, for the types in the order of
-   TYPES; 20 and 120 an array of two doubles; parameters 50 how and 51 in which
+   TYPES; 20 and 120 an array of two doubles; 130 and 131 the number of steps and
+   the length of the last; parameters 50 how and 51 in which
    step it fails: 1 step, 2 get, 3 set, 4 output not a number, 5 wants to end,
    6 warns.  config.h defines FMI as 2 or 3, the
    number of TYPES, and the functions that are absent. */
@@ -70,10 +71,12 @@ static Instance *create(const char *name, Logger *logger, void *environment) {
     return s;
 }
 
-static int advance(Instance *s) {
+static int advance(Instance *s, double h) {
     const double nan = NAN;
-    s->step++;
-    memcpy(s->values[100], s->values[0], 50 * 16);
+    double steps = ++s->step;
+    memcpy(s->values[130], &steps, sizeof steps);
+    memcpy(s->values[131], &h, sizeof h);
+    memcpy(s->values[100], s->values[0], 30 * 16);
     if (fails(s, 4))
         memcpy(s->values[100], &nan, sizeof nan);
     if (fails(s, 6)) {
@@ -156,7 +159,7 @@ EXPORT int fmi2SetupExperiment(void *s, int tolerant, double tolerance, double s
 }
 
 EXPORT int fmi2DoStep(void *s, double t, double h, int no_set) {
-    int status = advance(s);
+    int status = advance(s, h);
     return fails(s, 5) ? DISCARD : status;
 }
 
@@ -193,7 +196,7 @@ EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
 
 EXPORT int fmi3DoStep(void *s, double t, double h, _Bool no_set, _Bool *event,
                       _Bool *ends, _Bool *early, double *reached) {
-    int status = advance(s);
+    int status = advance(s, h);
     *event = *early = 0;
     *ends = fails(s, 5);
     *reached = t + h;

@@ -70,6 +70,9 @@ def describe(fmi: int) -> str:
         variables.append(("in_two", 20, real, "input", 'start="0 0"', two))
         variables.append(("out_two", 120, real, "output", "", two))
         outputs.append(120)
+    for i, name in enumerate(("steps", "length")):
+        variables.append((name, 130 + i, real, "output", "", ""))
+        outputs.append(130 + i)
     fixed = 'start="0"' + ' variability="fixed"'
     variables += [(n, 50 + i, real, "parameter", fixed, "") for i, n in enumerate("ha")]
     if fmi == 2:
