@@ -168,7 +168,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         variables={v.name: _variable(v, md.unitDefinitions) for v in md.modelVariables},
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
-        variable_step=bool(cs and cs.canHandleVariableCommunicationStepSize),
+        variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
         needs_execution_tool=bool(interface and interface.needsExecutionTool),
         co_simulation=cs is not None,
         model_exchange=md.modelExchange is not None,

@@ -204,6 +204,9 @@ class LocalInstance:
     ) -> None:
         self.inputs = groups(self, inputs, vector, first_input)
         self.outputs = groups(self, outputs, vector, first_output)
+        self._bind_step()
+
+    def _bind_step(self) -> None:
         name = "fmi2DoStep" if self._fmi2 else "fmi3DoStep"
         self.do_step = self.library[name]
         self.do_step.restype = ctypes.c_int
@@ -274,7 +277,11 @@ def load(
     Raises:
         FmuError: its library cannot be loaded here.
     """
-    return LocalInstance(name, description, folder, log)
+    if description.co_simulation:
+        return LocalInstance(name, description, folder, log)
+    from orchestrator.model_exchange import ModelExchangeInstance
+
+    return ModelExchangeInstance(name, description, folder, log)
 
 
 _SPEAKERS: WeakValueDictionary[str, LocalInstance] = WeakValueDictionary()

@@ -183,10 +183,10 @@ def kind_of(component: Component, fmu: FmuDescription) -> Kind:
 
 def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
     where = f"components.{c.name}"
-    if not fmu.co_simulation:
+    if not (fmu.co_simulation or fmu.model_exchange):
         raise WiringError(
-            f"{where}: {fmu.path.name} is for model exchange only; export it for "
-            f"co-simulation"
+            f"{where}: {fmu.path.name} is neither for co-simulation nor for model "
+            f"exchange; export it for one of these"
         )
     if c.kind and fmu.kind and c.kind != fmu.kind:
         raise WiringError(f"{where}.kind: {fmu.path.name} is {fmu.kind}, not {c.kind}")

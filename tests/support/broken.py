@@ -1,5 +1,6 @@
 """FMUs made of one C file, for tests of what our own exporter would never make."""
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -55,3 +56,69 @@ def pack(
         archive.writestr("modelDescription.xml", description)
         archive.write(library, f"binaries/{host or place}/{library.name}")
     return fmu
+
+
+def without_co_simulation(fmu: Path, folder: Path) -> Path:
+    """Return a copy of an FMU that only offers model exchange."""
+    copy = folder / f"{fmu.stem}_me.fmu"
+    with zipfile.ZipFile(fmu) as given, zipfile.ZipFile(copy, "w") as made:
+        for member in given.infolist():
+            content = given.read(member)
+            if member.filename == "modelDescription.xml":
+                content = re.sub(rb"<CoSimulation.*?(/>|</CoSimulation>)", b"", content)
+            made.writestr(member, content)
+    return copy
+
+
+def ball(fmi: int) -> str:
+    """Return the model description of ``ball.c``."""
+    names = ("h", "v", "der_v", "u", "e", "kick", "t_kick", "bounces")
+    kinds = {
+        "u": ("input", "continuous", 'start="0"'),
+        "e": ("parameter", "fixed", 'start="0.7"'),
+        "kick": ("parameter", "fixed", 'start="0"'),
+        "t_kick": ("parameter", "fixed", 'start="1e9"'),
+        "bounces": ("output", "discrete", ""),
+        "der_v": ("local", "continuous", ""),
+        "h": ("output", "continuous", 'start="1" initial="exact"'),
+        "v": ("output", "continuous", 'start="0" initial="exact"'),
+    }
+    two = fmi == 2
+    lines = []
+    for i, name in enumerate(names):
+        causality, variability, start = kinds[name]
+        start, _, initial = start.partition(" ")
+        head = f'name="{name}" valueReference="{i}" causality="{causality}"'
+        head += f' variability="{variability}" {initial}'
+        state = {"v": "h", "der_v": "v"}.get(name)
+        if two:
+            derivative = f'derivative="{names.index(state) + 1}"' if state else ""
+            real = f"<Real {start} {derivative}/>"
+            lines.append(f"<ScalarVariable {head}>{real}</ScalarVariable>")
+        else:
+            derivative = f'derivative="{names.index(state)}"' if state else ""
+            lines.append(f"<Float64 {head} {start} {derivative}/>")
+    lines.append(
+        ""
+        if two
+        else '<Float64 name="time" valueReference="99"'
+        ' causality="independent" variability="continuous"/>'
+    )
+    if two:
+        head = 'fmiVersion="2.0" guid="ball" numberOfEventIndicators="1"'
+        outputs = "".join(f'<Unknown index="{i}"/>' for i in (1, 2, 8))
+        rates = "".join(f'<Unknown index="{i}"/>' for i in (2, 3))
+        structure = f"<Outputs>{outputs}</Outputs><Derivatives>{rates}</Derivatives>"
+    else:
+        head = 'fmiVersion="3.0" instantiationToken="ball"'
+        structure = "".join(
+            [f'<Output valueReference="{i}"/>' for i in (0, 1, 7)]
+            + [f'<ContinuousStateDerivative valueReference="{i}"/>' for i in (1, 2)]
+            + ['<EventIndicator valueReference="0"/>']
+        )
+    return (
+        f'<?xml version="1.0"?><fmiModelDescription {head} modelName="Ball">'
+        f'<ModelExchange modelIdentifier="ball"/>'
+        f"<ModelVariables>{''.join(lines)}</ModelVariables>"
+        f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    )
