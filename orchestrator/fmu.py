@@ -20,6 +20,11 @@ from orchestrator.system import Kind
 
 Sort = Literal["real", "integer", "boolean", "string"]
 
+_TYPES = {
+    2: {"Real", "Integer", "Boolean", "String", "Enumeration"},
+    3: {"Float32", "Float64", "Boolean", "String", "Binary", "Enumeration", "Clock"}
+    | {f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)},
+}
 _SORTS: dict[str, Sort] = {
     "Real": "real",
     "Float64": "real",
@@ -84,6 +89,7 @@ class FmuDescription:
     initial_dependencies: Mapping[str, frozenset[str] | None]
     variable_step: bool
     needs_execution_tool: bool
+    once_per_process: bool
     co_simulation: bool
     model_exchange: bool
     platforms: tuple[str, ...]
@@ -153,6 +159,12 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
             f"{path}: is FMI {md.fmiVersion}; FMI 2.0 and 3.0 are supported: export "
             f"it again as one of these"
         )
+    for v in md.modelVariables:
+        if v.type not in _TYPES[major]:
+            raise FmuError(
+                f"{path}: variable {v.name!r} is of type {v.type}, which FMI {major} does "
+                f"not know; ask its supplier for a valid modelDescription.xml"
+            )
     kind, period = _annotation(root)
     cs = md.coSimulation
     interface = cs or md.modelExchange
@@ -170,6 +182,9 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
         needs_execution_tool=bool(interface and interface.needsExecutionTool),
+        once_per_process=bool(
+            interface and interface.canBeInstantiatedOnlyOncePerProcess
+        ),
         co_simulation=cs is not None,
         model_exchange=md.modelExchange is not None,
         platforms=_platforms(path),
