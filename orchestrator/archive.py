@@ -55,6 +55,8 @@ def checked_members(path: Path) -> list[zipfile.ZipInfo]:
 def _fault(member: zipfile.ZipInfo) -> str | None:
     name = member.orig_filename
     windows = PureWindowsPath(name)
+    if not name:
+        return "has an empty name"
     if PurePosixPath(name).is_absolute() or windows.drive or windows.root:
         return "has an absolute path"
     if ".." in windows.parts:

@@ -183,6 +183,7 @@ class _Solver(CVodeSolver):  # type: ignore[misc]  # fmpy is not typed
     def __init__(self, fmu: Any, md: Any, start: float) -> None:
         fmi2 = md.fmiVersion.startswith("2")
         self._error: BaseException | None = None
+        self.cvode_mem = None  # fmpy frees it, also after a constructor that failed
         super().__init__(
             nx=md.numberOfContinuousStates,
             nz=md.numberOfEventIndicators,

@@ -217,6 +217,8 @@ def _detach(
     for table in ("connections", "faults", "record"):
         own = layer.get(table, {})
         entries = merged.get(table, {})
+        if not isinstance(entries, dict):
+            continue  # refused when the scenario is validated
         merged[table] = {
             key: value
             for key, value in entries.items()

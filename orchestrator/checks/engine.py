@@ -82,6 +82,10 @@ def _static(item: Item, archive: Archive) -> Outcome:
             outcome.findings.append(Finding(str(error)))
         else:
             outcome.reason, outcome.verdict = str(error), "could not be run"
+    except Exception as error:  # what a document without a schema may lead to
+        fault = f"{type(error).__name__}: {error}"
+        outcome.reason = f"the FMU's files do not make sense here ({fault}); see item 2"
+        outcome.verdict = "could not be run"
     return _judged(outcome)
 
 
