@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from orchestrator.instance import LocalInstance
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING = 1
+WARNING, DISCARD, FATAL = 1, 2, 4
 
 _FMI2 = {
     "Real": "Real",
@@ -158,6 +158,7 @@ class Group:
 
     def failure(self, verb: str, status: int) -> SimulationError:
         """Return the error for a get or set that returned a status."""
+        self.instance.refused(status)
         return self.instance.fail(self._named(verb), f"returned {STATUS[status]}")
 
     def _named(self, verb: str) -> str:

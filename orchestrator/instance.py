@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu import FmuDescription, FmuVariable
-from orchestrator.group import STATUS, WARNING, Group, groups
+from orchestrator.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
 
 
 class Instance(Protocol):
@@ -99,6 +99,7 @@ class LocalInstance:
         self._fmi2 = description.fmi_major == 2
         self.slave: Any = None
         self._initialized = False
+        self._worst = 0
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
@@ -251,18 +252,26 @@ class LocalInstance:
     def failed_step(self, h: float, status: int) -> SimulationError:
         """Return the error for a step that returned a status or ended the run."""
         bad = status > WARNING
+        self.refused(status)
         why = f"returned {STATUS[status]}" if bad else "asked to end the simulation"
         return self.fail(f"doStep of {h:.9g} s", why)
+
+    def refused(self, status: int) -> None:
+        """Remember the worst status of a call; it decides what ``close`` may call."""
+        self._worst = max(self._worst, status)
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
         if self.slave is None:
             return
         with suppress(Exception):
-            if self._initialized:
+            if self._initialized and self._worst <= DISCARD:
                 self._fmu.terminate()
+        if self.description.kind is None:  # a thread it left may still run its code
+            self._fmu.freeLibrary = lambda: None
         with suppress(Exception):
-            self._fmu.freeInstance()
+            if self._worst != FATAL:  # then no call is allowed any more
+                self._fmu.freeInstance()
         self.slave = None
 
 
@@ -326,6 +335,7 @@ class _Named:
     def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
         if error is None or isinstance(error, FeedDriveError):
             return
+        self.instance.refused(getattr(error, "status", 0))
         if isinstance(error, Exception):
             raise self.instance.fail(self.function, f"failed ({error})") from None
 

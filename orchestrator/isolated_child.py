@@ -17,7 +17,8 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Lock, Thread
-from typing import Any
+from time import sleep
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def serve(
 
     ``shared``: requests to step come through the channel, not the pipe.
     """
-    _stand_alone()
+    _stand_alone(folder)
     lock = Lock()
 
     def send(kind: str, value: Any) -> None:
@@ -69,7 +70,7 @@ def serve(
         try:
             request, *arguments = pipe.recv()
         except (EOFError, OSError):
-            request, arguments = "close", []
+            _end_with_master(folder)
         if request == "close":
             server.instance.close()
             _end(0)
@@ -168,7 +169,7 @@ class _Server:
         self.exchange()
 
 
-def _stand_alone() -> None:
+def _stand_alone(folder: Path) -> None:
     """Make this process independent of the terminal and of the master's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "setpgid"):  # with tools it starts, so that all end together
@@ -176,18 +177,23 @@ def _stand_alone() -> None:
     with suppress(OSError):  # stdout is the master's, say for --json
         sys.stdout.flush()
         os.dup2(2, 1)
-    Thread(target=_end_with_master, daemon=True).start()
+    Thread(target=_end_with_master, args=(folder,), daemon=True).start()
 
 
-def _end_with_master() -> None:
+def _end_with_master(folder: Path) -> NoReturn:
+    """Wait for the end of the master, delete what it left, and end too."""
     master = mp.parent_process()
-    if master is not None:
-        wait([master.sentinel])
-    sweep()
+    assert master is not None
+    wait([master.sentinel])
+    for _ in range(100):  # its lock on the folder may fall a little later
+        sweep()
+        if not folder.exists():
+            break
+        sleep(0.01)
     _end(1)
 
 
-def _end(code: int) -> None:
+def _end(code: int) -> NoReturn:
     """End at once: neither exit handlers nor threads of an FMU can hinder it."""
     sys.stderr.flush()
     os._exit(code)

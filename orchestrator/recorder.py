@@ -7,6 +7,7 @@ Parquet.
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ class Recorder:
         vector: NDArray[np.float64],
     ) -> None:
         folder.mkdir(parents=True, exist_ok=True)
-        for old in (*folder.glob("*.arrows"), *folder.glob("*.parquet")):
+        for old in folder.glob("every_*_s.*"):
             old.unlink()
         self.tables = {
             table_name(period): Table(
@@ -56,8 +57,11 @@ class Recorder:
         """End the streams; of a complete run make Parquet tables of them."""
         for table in self.tables.values():
             table.close()
-            if complete:
+        for table in self.tables.values() if complete else ():
+            try:
                 _to_parquet(table.path)
+            except OSError as error:
+                raise _full(table.path.with_suffix(".parquet"), error) from None
 
 
 class Table:
@@ -116,10 +120,7 @@ class Table:
             self._stream.write_batch(batch)
             self._file.flush()
         except OSError as error:
-            raise SimulationError(
-                f"{self.path}: rows cannot be written ({error}); free some space or "
-                f"record less; the rows before stay readable"
-            ) from None
+            raise _full(self.path, error) from None
 
     def _column(self, values: NDArray[np.float64]) -> Any:
         """Return an Arrow array on the same memory (``pa.array`` imports pandas)."""
@@ -136,12 +137,27 @@ class Table:
                 yield values
 
     def close(self) -> None:
-        """Flush and end the stream."""
+        """Flush and end the stream.
+
+        Raises:
+            SimulationError: the disk is full or gone.
+        """
         try:
             self.flush()
             self._stream.close()
+            self._file.flush()
+        except OSError as error:
+            raise _full(self.path, error) from None
         finally:
-            self._file.close()
+            with suppress(OSError):  # which tries to write once more
+                self._file.close()
+
+
+def _full(path: Path, error: OSError) -> SimulationError:
+    return SimulationError(
+        f"{path}: rows cannot be written ({error}); free some space or record less; "
+        f"the rows before stay readable"
+    )
 
 
 def _stem(period: Fraction) -> str:
@@ -153,7 +169,7 @@ def _to_parquet(path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet
 
-    target: Any = path.with_suffix(".parquet")
+    target: Any = path.with_suffix(".partial")
     with (
         pa.OSFile(str(path)) as file,  # a path would be mapped into memory whole
         pa.ipc.open_stream(file) as stream,
@@ -168,4 +184,5 @@ def _to_parquet(path: Path) -> None:
                 waiting, rows = [], 0
         if waiting:
             writer.write_table(pa.Table.from_batches(waiting))
+    target.replace(path.with_suffix(".parquet"))
     path.unlink()

@@ -100,7 +100,9 @@ def _numbers(column: Any) -> NDArray[np.float64]:
 def _columns(folder: Path) -> dict[str, Path]:
     """Return which file holds each recorded variable; Parquet before Arrow."""
     tables = folder / "result"
-    files = sorted(tables.glob("*.parquet")) or sorted(tables.glob("*.arrows"))
+    arrows = sorted(tables.glob("*.arrows"))
+    files = [*(f for f in arrows if not f.with_suffix(".parquet").exists())]
+    files += sorted(tables.glob("*.parquet"))
     if not tables.is_dir():
         raise FmuError(f"{folder}: holds no run: there is no folder result in it")
     columns = {}
@@ -130,7 +132,8 @@ def _read(file: Path, columns: list[str] | None = None) -> Any:
     batches = []
     with pyarrow.ipc.open_stream(file) as reader:
         schema = reader.schema
-        with suppress(pa.ArrowInvalid):  # the last batch of a killed run may be cut
+        # the last batch of a killed run may be cut
+        with suppress(pa.ArrowInvalid, OSError):
             batches.extend(reader)
     table = pa.Table.from_batches(batches, schema)
     return table.select(columns) if columns else table
