@@ -162,8 +162,8 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     for v in md.modelVariables:
         if v.type not in _TYPES[major]:
             raise FmuError(
-                f"{path}: variable {v.name!r} is of type {v.type}, which FMI {major} has "
-                f"not; ask its supplier for a valid modelDescription.xml"
+                f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
+                f"FMI {major}; ask its supplier for a valid modelDescription.xml"
             )
     kind, period = _annotation(root)
     cs = md.coSimulation

@@ -1,6 +1,8 @@
 """All items there are, by number; importing this registers them."""
 
 from orchestrator.checks import (
+    compiling,
+    derivatives,
     files,
     hosting,
     loading,
@@ -11,7 +13,17 @@ from orchestrator.checks import (
 )
 from orchestrator.checks.item import REGISTRY, Item
 
-MODULES = (files, hosting, loading, states, stepping, values, variables)
+MODULES = (
+    compiling,
+    derivatives,
+    files,
+    hosting,
+    loading,
+    states,
+    stepping,
+    values,
+    variables,
+)
 
 
 def catalogue() -> list[Item]:

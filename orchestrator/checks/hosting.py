@@ -1,23 +1,21 @@
-"""Dynamic items: folders the FMU is unpacked in, and its sources compiled."""
+"""Dynamic items: how an FMU treats its host, and where it may be unpacked."""
 
+import gc
+import locale
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from orchestrator.checks.archive import Archive
-from orchestrator.checks.files import source_files
 from orchestrator.checks.item import (
-    CannotRun,
     Finding,
     NotApplicable,
     Said,
     advice,
     dynamic,
 )
-from orchestrator.checks.laboratory import Laboratory, same
+from orchestrator.checks.laboratory import DISCARD, STATUS, Laboratory, same
 
 FOLDERS = {
     "with spaces": "a folder with spaces",
@@ -73,74 +71,103 @@ def folders(lab: Laboratory) -> Iterator[Said]:
 
 
 @dynamic(
-    34,
-    "Its sources compile and give the values of its binary",
-    "FMI 2.0.5 section 4.3.1; FMI 3.0.2 section 2.5.1; implementers' guide",
-    "correct what the compiler says; build the binary from these sources",
-    seconds=180.0,
+    15,
+    "Threads, working directory and output of the host are left alone",
+    "FMI 2.0.5 section 2.1.5; implementers' guide 3; fmi-standard issue 2151",
+    "do not change or use what belongs to the whole process; log through the "
+    "callback instead of printing",
 )
-def sources(lab: Laboratory) -> Iterator[Said]:
-    archive = Archive(lab.description.path)
-    files = source_files(archive)
-    if not files:
-        raise NotApplicable("it has no sources")
-    from fmus.compile import PLATFORMS, CompileError, host_platform
-    from fmus.native_source import adapter_sources
-
-    try:
-        target = PLATFORMS[host_platform()]
-    except CompileError as error:
-        raise CannotRun(str(error)) from None
-    wanted = lab.trajectory()
-    fmi2 = lab.description.fmi_major == 2
-    folder = lab.folder / ".compiled"
-    binaries = folder / "binaries"
-    binaries /= target.fmi2_folder if fmi2 else target.fmi3_folder
-    binaries.mkdir(parents=True)
-    if (lab.folder / "resources").is_dir():
-        shutil.copytree(lab.folder / "resources", folder / "resources")
-    library = binaries / f"{lab.description.model_identifier}{target.suffix}"
-    headers = folder / "headers"  # those of the standard need not be in the archive
-    headers.mkdir()
-    for name, text in adapter_sources().items():
-        if name.startswith(("fmi2", "fmi3")) and name.endswith(".h"):
-            (headers / name).write_text(text, encoding="utf-8")
-    lab.trying("compiling the sources")
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
-    command += ["-shared", "-fPIC", "-O2", "-Wall", "-ffp-contract=off"]
-    command += [
-        "-mcpu=baseline",
-        "-I.",
-        "-idirafter",
-        str(headers),
-        "-o",
-        str(library),
-        *files,
-        "-lm",
-    ]
-    done = subprocess.run(
-        command,
-        cwd=lab.folder / "sources",
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
-    complaints = [
-        line
-        for line in done.stderr.splitlines()
-        if "warning:" in line or "error:" in line
-    ]
-    if done.returncode:
-        errors = [line for line in complaints if "error:" in line]
-        told = errors[0] if errors else done.stderr[-200:]
-        yield Finding(f"the sources do not compile: {told}")
+def good_guest(lab: Laboratory) -> Iterator[Said]:
+    before = Path.cwd(), locale.setlocale(locale.LC_ALL)
+    alone = lab.trajectory()
+    if before[0] != Path.cwd():
+        yield Finding("the working directory of the process is changed")
+    if before[1] != locale.setlocale(locale.LC_ALL):
+        yield Finding("the locale of the process is changed")
+    if printed := lab.printed().strip():
+        text = printed[:80].decode("utf-8", "replace")
+        yield advice(f"it prints to stdout or stderr: {text!r}")
+    if lab.interface.canBeInstantiatedOnlyOncePerProcess:
         return
-    if complaints:
-        yield advice(f"{len(complaints)} compiler warnings, first: {complaints[0]}")
-    with lab.instance("compiled", folder=folder) as one:
-        one.begin()
-        rows = one.run(len(wanted))
-    if not same(rows, wanted, 1e-9):
-        yield Finding("the sources give other values than the binary")
-    yield f"{len(files)} files compiled" + (", bit-equal" if same(rows, wanted) else "")
+    lab.trying("running two instances in two threads")
+    with ThreadPoolExecutor(2) as pool:
+        jobs = [pool.submit(lab.trajectory, name=f"thread {i}") for i in range(2)]
+        for job in jobs:
+            if not same(job.result(), alone):
+                yield Finding("two instances in two threads give other values")
+
+
+@dynamic(
+    28,
+    "Every refusal has a message, and off is silent",
+    "FMI 2.0.5 section 2.1.5 (loggingOn); FMI 3.0.2 section 2.2.3",
+    "log why a call did not return OK; without loggingOn log nothing",
+)
+def logging(lab: Laboratory) -> Iterator[Said]:
+    with lab.running(logging=False) as silent:
+        silent.run(5)
+    if silent.messages:
+        yield advice(f"loggingOn = false, but it logs {silent.messages[0][2]!r}")
+    with lab.running() as one:
+        one.run(5)
+        one.messages.clear()
+        lab.trying("reading a variable that does not exist")
+        status = one.status(one.read_unknown)
+        if status >= DISCARD and not one.messages:
+            yield advice(f"a refused call ({STATUS[status]}) leaves no message")
+    declared = {c.name for c in lab.model.logCategories or ()}
+    used = {category for _, category, _ in one.messages if category}
+    if used - declared:
+        yield advice(
+            f"log categories not declared: {', '.join(sorted(used - declared))}"
+        )
+    if any("%s" in text or "%d" in text for *_, text in one.messages):
+        yield advice("messages hold unformatted %s or %d")
+
+
+@dynamic(
+    29,
+    "Memory does not grow",
+    "implementers' guide 3",
+    "free in fmi2FreeInstance what fmi2Instantiate took, and in a step what the step "
+    "took",
+    seconds=60.0,
+)
+def memory(lab: Laboratory) -> Iterator[Said]:
+    try:
+        _resident()
+    except OSError:
+        raise NotApplicable("the memory of a process is only read on Linux") from None
+    with lab.running("base", logging=False) as one:
+        growth = []
+        for first in (0, 2000):  # the first time buffers and caches may fill
+            before = _resident()
+            lab.trying("stepping 2000 times")
+            for k in range(first, first + 2000):
+                one.step(k * lab.h, lab.h)
+            growth.append(_resident() - before)
+        steps = growth[1]
+    if steps > 1 << 20:
+        yield Finding(f"2000 steps take {steps / 2**20:.1f} MiB that are not freed")
+    if lab.interface.canBeInstantiatedOnlyOncePerProcess:
+        return
+    growth = []
+    with lab.instance("holder"):  # keeps the library loaded
+        for _ in range(2):
+            before = _resident()
+            lab.trying("making and freeing 100 instances")
+            for i in range(100):
+                with lab.running(f"number {i}", logging=False):
+                    pass
+            growth.append(_resident() - before)
+    if growth[1] > 1 << 20:
+        yield Finding(
+            f"100 instances take {growth[1] / 2**20:.1f} MiB that are not freed"
+        )
+    yield f"{max(0, steps)} bytes in 2000 steps, {growth[1]} in 100 instances"
+
+
+def _resident() -> int:
+    gc.collect()  # the host's own rubbish is not the FMU's
+    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")

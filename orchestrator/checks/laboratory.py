@@ -220,6 +220,13 @@ class Instance:
     def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
         self.face.set(variable, values)
 
+    def read_unknown(self) -> None:
+        """Read a real variable that the FMU does not have."""
+        known = (v.reference for v in self.lab.description.variables.values())
+        fmi2 = self.lab.description.fmi_major == 2
+        read = self.fmu.getReal if fmi2 else self.fmu.getFloat64
+        read([max(known, default=0) + 100_000])
+
     def status(self, call: Callable[..., Any], *arguments: Any) -> int:
         """Return the status of a call instead of raising it."""
         try:

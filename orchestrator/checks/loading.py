@@ -1,12 +1,9 @@
-"""Dynamic items: loading, instances, and what one FMU does to another."""
+"""Dynamic items: loading, making instances, and running from start values."""
 
-import gc
-import os
+import ctypes
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
 
+import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
@@ -14,15 +11,12 @@ from orchestrator.checks.interface import required_functions
 from orchestrator.checks.item import (
     CannotRun,
     Finding,
-    NotApplicable,
     Said,
     advice,
     dynamic,
 )
 from orchestrator.checks.laboratory import (
-    DISCARD,
     OK,
-    STATUS,
     STEPS,
     Laboratory,
     Row,
@@ -52,10 +46,6 @@ def runs(lab: Laboratory) -> Iterator[Said]:
     "and logs why",
 )
 def loads(lab: Laboratory) -> Iterator[Said]:
-    import ctypes
-
-    import fmpy
-
     description = lab.description
     host = fmpy.platform if description.fmi_major == 2 else fmpy.platform_tuple
     name = f"{description.model_identifier}{fmpy.sharedLibraryExtension}"
@@ -148,118 +138,6 @@ def independent(lab: Laboratory) -> Iterator[Said]:
     lab.trying("loading the library again after it was freed")
     if not same(lab.trajectory(name="again"), alone):
         yield Finding("after freeing and loading again the values differ")
-
-
-@dynamic(
-    15,
-    "Threads, working directory and output of the host are left alone",
-    "FMI 2.0.5 section 2.1.5; implementers' guide 3; fmi-standard issue 2151",
-    "do not change or use what belongs to the whole process; log through the "
-    "callback instead of printing",
-)
-def good_guest(lab: Laboratory) -> Iterator[Said]:
-    import locale
-
-    before = Path.cwd(), locale.setlocale(locale.LC_ALL)
-    alone = lab.trajectory()
-    if before[0] != Path.cwd():
-        yield Finding("the working directory of the process is changed")
-    if before[1] != locale.setlocale(locale.LC_ALL):
-        yield Finding("the locale of the process is changed")
-    if printed := lab.printed().strip():
-        text = printed[:80].decode("utf-8", "replace")
-        yield advice(f"it prints to stdout or stderr: {text!r}")
-    if lab.interface.canBeInstantiatedOnlyOncePerProcess:
-        return
-    lab.trying("running two instances in two threads")
-    with ThreadPoolExecutor(2) as pool:
-        jobs = [pool.submit(lab.trajectory, name=f"thread {i}") for i in range(2)]
-        for job in jobs:
-            if not same(job.result(), alone):
-                yield Finding("two instances in two threads give other values")
-
-
-@dynamic(
-    28,
-    "Every refusal has a message, and off is silent",
-    "FMI 2.0.5 section 2.1.5 (loggingOn); FMI 3.0.2 section 2.2.3",
-    "log why a call did not return OK; without loggingOn log nothing",
-)
-def logging(lab: Laboratory) -> Iterator[Said]:
-    with lab.running(logging=False) as silent:
-        silent.run(5)
-    if silent.messages:
-        yield advice(f"loggingOn = false, but it logs {silent.messages[0][2]!r}")
-    with lab.running() as one:
-        one.run(5)
-        one.messages.clear()
-        lab.trying("reading a variable that does not exist")
-        status = one.status(_read_unknown, one)
-        if status >= DISCARD and not one.messages:
-            yield advice(f"a refused call ({STATUS[status]}) leaves no message")
-    declared = {c.name for c in lab.model.logCategories or ()}
-    used = {category for _, category, _ in one.messages if category}
-    if used - declared:
-        yield advice(
-            f"log categories not declared: {', '.join(sorted(used - declared))}"
-        )
-    if any("%s" in text or "%d" in text for *_, text in one.messages):
-        yield advice("messages hold unformatted %s or %d")
-
-
-def _read_unknown(instance: Any) -> None:
-    taken = {v.reference for v in instance.lab.description.variables.values()}
-    free = max(taken, default=0) + 100_000
-    read = instance.fmu.getReal if hasattr(instance.fmu, "getReal") else None
-    (read or instance.fmu.getFloat64)([free])
-
-
-@dynamic(
-    29,
-    "Memory does not grow",
-    "implementers' guide 3",
-    "free in fmi2FreeInstance what fmi2Instantiate took, and in a step what the step "
-    "took",
-    seconds=60.0,
-)
-def memory(lab: Laboratory) -> Iterator[Said]:
-    try:
-        _resident()
-    except OSError:
-        raise NotApplicable("the memory of a process is only read on Linux") from None
-    with lab.running("base", logging=False) as one:
-        growth = []
-        for first in (0, 2000):  # the first time buffers and caches may fill
-            before = _resident()
-            lab.trying("stepping 2000 times")
-            for k in range(first, first + 2000):
-                one.step(k * lab.h, lab.h)
-            growth.append(_resident() - before)
-        steps = growth[1]
-    if steps > 1 << 20:
-        yield Finding(f"2000 steps take {steps / 2**20:.1f} MiB that are not freed")
-    if lab.interface.canBeInstantiatedOnlyOncePerProcess:
-        return
-    growth = []
-    with lab.instance("holder"):  # keeps the library loaded
-        for _ in range(2):
-            before = _resident()
-            lab.trying("making and freeing 100 instances")
-            for i in range(100):
-                with lab.running(f"number {i}", logging=False):
-                    pass
-            growth.append(_resident() - before)
-    if growth[1] > 1 << 20:
-        yield Finding(
-            f"100 instances take {growth[1] / 2**20:.1f} MiB that are not freed"
-        )
-    yield f"{max(0, steps)} bytes in 2000 steps, {growth[1]} in 100 instances"
-
-
-def _resident() -> int:
-    gc.collect()  # the host's own rubbish is not the FMU's
-    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
-    return int(pages) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _second_run(lab: Laboratory) -> Iterator[Said]:

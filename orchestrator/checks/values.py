@@ -25,7 +25,6 @@ from orchestrator.checks.laboratory import (
     same,
     start_of,
 )
-from orchestrator.fmu import FmuVariable
 
 SHOWN = 5
 
@@ -105,73 +104,6 @@ def burnt_in(lab: Laboratory) -> Iterator[Said]:
 
 
 @dynamic(
-    22,
-    "Directional derivatives are those of the model",
-    "FMI 2.0.5 section 2.1.9; FMI 3.0.2 (directional derivatives)",
-    "differentiate the equations that are evaluated",
-)
-def directional(lab: Laboratory) -> Iterator[Said]:
-    lab.needs("providesDirectionalDerivative")
-    unknowns = [u.variable.name for u in lab.model.outputs]
-    outputs = [lab.description[n] for n in unknowns if not lab.description[n].shape]
-    inputs = [
-        v for v in lab.variables(causality="input") if v.sort == "real" and not v.shape
-    ]
-    outputs = [v for v in outputs if v.sort == "real"]
-    if not inputs or not outputs:
-        raise NotApplicable("it has no scalar real input or output")
-    with lab.instance() as one:
-        one.enter()
-        for variable in inputs:
-            yield from _one_direction(one, variable, outputs)
-
-
-def _one_direction(
-    one: Instance, known: FmuVariable, unknowns: list[FmuVariable]
-) -> Iterator[Said]:
-    at = (start_of(known) or [0.0])[0]
-    delta = 1e-6 * max(1.0, abs(at))
-    references = [v.reference for v in unknowns]
-    one.lab.trying(f"asking for derivatives with respect to {known.name}")
-    exact = one.fmu.getDirectionalDerivative(references, [known.reference], [1.0])
-    sides = []
-    for sign in (1, -1):
-        one.set(known, [at + sign * delta])
-        sides.append([one.get(v)[0] for v in unknowns])
-    one.set(known, [at])
-    quotient = (np.array(sides[0]) - np.array(sides[1])) / (2 * delta)
-    for variable, given, found in zip(unknowns, exact, quotient, strict=True):
-        if not np.isclose(given, found, rtol=1e-3, atol=1e-6):
-            yield Finding(
-                f"d {variable.name} / d {known.name} = {given:.6g}, differences give "
-                f"{found:.6g}"
-            )
-
-
-@dynamic(
-    23,
-    "Derivatives of inputs are used or refused",
-    "FMI 2.0.5 sections 4.2.1, 4.3.1 (canInterpolateInputs)",
-    "return Error from fmi2SetRealInputDerivatives unless canInterpolateInputs",
-)
-def input_derivatives(lab: Laboratory) -> Iterator[Said]:
-    lab.needs_co_simulation()
-    inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
-    if lab.description.fmi_major != 2 or not inputs:
-        raise NotApplicable("it is of FMI 3 or has no real input")
-    declared = bool(lab.interface.canInterpolateInputs)
-    with lab.running() as one:
-        lab.trying("setting the derivative of an input")
-        reference = [inputs[0].reference]
-        status = one.status(one.fmu.setRealInputDerivatives, reference, [1], [0.0])
-    if declared and status != OK:
-        yield Finding(f"canInterpolateInputs = true, but it returns {STATUS[status]}")
-    if not declared and status == OK:
-        yield advice("canInterpolateInputs = false, but a derivative is accepted")
-    yield f"canInterpolateInputs = {declared}, the call returns {STATUS[status]}"
-
-
-@dynamic(
     24,
     "Tunable parameters can be changed between steps, fixed ones not",
     "FMI 2.0.5 section 2.2.7 (variability), 4.2.1; FMI 3.0.2 section 2.4.7.4",
@@ -221,7 +153,9 @@ def refusals(lab: Laboratory) -> Iterator[Said]:
     outputs = [v for v in lab.variables(causality="output") if v.sort == "real"]
     with lab.running() as one:
         one.run(2)
-        attempts: list[tuple[str, Any]] = [("an unknown reference is read", _unknown)]
+        attempts: list[tuple[str, Any]] = [
+            ("an unknown reference is read", Instance.read_unknown)
+        ]
         for group, what in ((constants, "a constant"), (outputs, "an output")):
             if group and group[0].sort == "real":
                 variable = group[0]
@@ -251,13 +185,6 @@ def refusals(lab: Laboratory) -> Iterator[Said]:
             lab.trying("stepping before initialisation")
             if early.status(early.step, 0.0, lab.h) == OK:
                 yield advice("a step before initialisation is accepted")
-
-
-def _unknown(one: Instance) -> None:
-    known = (v.reference for v in one.lab.description.variables.values())
-    unknown = max(known, default=0) + 100_000
-    fmi2 = one.lab.description.fmi_major == 2
-    (one.fmu.getReal if fmi2 else one.fmu.getFloat64)([unknown])
 
 
 @dynamic(

@@ -16,7 +16,7 @@ from orchestrator.checks import Report, check_fmu
 from orchestrator.cli import app
 
 EXPECTED = Path(__file__).parents[1] / "data" / "expected"
-OURS = ("plants.ball_screw_drive", "controllers.mc_ppc")
+OURS = ("plants.ball_screw", "controllers.mc_ppc")
 TO_COMPILE = 34
 
 linux = pytest.mark.skipif(
