@@ -100,6 +100,8 @@ def _interfaces(root: etree._Element, subject: Subject, fmi: Fmi) -> None:
         unneeded = {"completedIntegratorStepNotNeeded": "true"} if fmi == 2 else {}
         interfaces.append(etree.SubElement(root, "ModelExchange", common | unneeded))
     variable_step = {"canHandleVariableCommunicationStepSize": "true"}
+    if fmi == 3 and isinstance(subject.model, Sampled):
+        variable_step["hasEventMode"] = "true"
     interfaces.append(etree.SubElement(root, "CoSimulation", common | variable_step))
     if fmi == 3 or not subject.native:
         return

@@ -6,10 +6,12 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from fmus.layout import Layout, Variable
-from fmus.model import Continuous, Model
+from fmus.model import Continuous, Model, Sampled
 from fmus.trace import Traced
 
 Fmi: TypeAlias = Literal[2, 3]
+
+CLOCK = "clock"  # the input clock of a sampled model in FMI 3
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ def check_start(model: Model, variable: Variable) -> None:
 
     Raises:
         ValueError: it is not finite or out of its bounds, or the variable has the
-            name of the independent variable of FMI 3.
+            name of the independent variable or of the clock of FMI 3.
     """
     start, var = np.array(variable.start), variable.var
     low = -np.inf if var.min is None else var.min
@@ -88,6 +90,8 @@ def check_start(model: Model, variable: Variable) -> None:
     where = f"{model.name}: {variable.block} {variable.name!r}"
     if variable.name == "time":
         raise ValueError(f"{where} has the name of the independent variable")
+    if variable.name == CLOCK and isinstance(model, Sampled):
+        raise ValueError(f"{where} has the name of the clock of FMI 3")
     if not np.isfinite(start).all():
         raise ValueError(f"{where} starts at {variable.start}: give finite numbers")
     if not ((low <= start) & (start <= high)).all():

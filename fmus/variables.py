@@ -11,8 +11,9 @@ from collections.abc import Iterable, Mapping
 from lxml import etree
 
 from fmus.layout import Layout, Variable
+from fmus.model import Sampled
 from fmus.structure import Kind, Structure, initial, stepping, strongest
-from fmus.subject import Subject, role
+from fmus.subject import CLOCK, Subject, role
 
 
 def scalars(root: etree._Element, subject: Subject) -> None:
@@ -77,6 +78,8 @@ def arrays(root: etree._Element, subject: Subject) -> None:
     time = {"name": "time", "valueReference": str(layout.size), "unit": "s"}
     time |= {"causality": "independent", "variability": "continuous"}
     etree.SubElement(parent, "Float64", time, description="simulation time")
+    if isinstance(subject.model, Sampled):
+        _clock(parent, subject.model, layout.size + 1)
 
     outputs, derivatives = layout.block("output"), layout.block("derivative")
     structure = etree.SubElement(root, "ModelStructure")
@@ -92,6 +95,23 @@ def arrays(root: etree._Element, subject: Subject) -> None:
             attributes = {"valueReference": str(unknown.reference)}
             attributes |= _dependencies(row, with_kinds=table is while_stepping)
             etree.SubElement(structure, name, attributes)
+
+
+def _clock(parent: etree._Element, model: Sampled, reference: int) -> None:
+    """Write the input clock by which an importer with event mode ticks a model."""
+    num, den = model.period.as_integer_ratio()
+    attributes = {
+        "name": CLOCK,
+        "valueReference": str(reference),
+        "causality": "input",
+        "intervalVariability": "constant",
+        "intervalDecimal": repr(num / den),
+        "supportsFraction": "true",
+        "resolution": str(den),
+        "intervalCounter": str(num),
+    }
+    text = "ticks the model where event mode is used"
+    etree.SubElement(parent, "Clock", attributes, description=text)
 
 
 def _per_variable(table: Structure, layout: Layout) -> Structure:

@@ -199,8 +199,37 @@ int component_exit_initialization(Component *c, const char *function) {
     if (!fit_to_go_on(c, function))
         return STATUS_ERROR;
     simulation_begin(&c->simulation);
-    c->simulation.state->phase = c->model_exchange ? EVENT : STEPPING;
+    c->simulation.state->phase =
+        c->model_exchange || c->simulation.clocked ? EVENT : STEPPING;
     return STATUS_OK;
+}
+
+int component_enter_events(Component *c, const char *function) {
+    if (!component_may(c, function, ANY))
+        return STATUS_ERROR;
+    return component_move(c, function,
+                          c->simulation.clocked ? STEPPING | EVENT : EXCHANGING, EVENT);
+}
+
+int component_leave_events(Component *c, const char *function) {
+    if (!component_may(c, function, ANY))
+        return STATUS_ERROR;
+    if (!c->simulation.clocked)
+        return component_refuse(c, "%s is not supported without event mode", function);
+    simulation_activate(&c->simulation, 0);
+    return component_move(c, function, EVENT, STEPPING);
+}
+
+int component_update(Component *c, const char *function) {
+    if (!component_may(c, function, EVENT))
+        return STATUS_ERROR;
+    if (!c->simulation.state->ticking)
+        return STATUS_OK;
+    simulation_tick(&c->simulation);
+    if (fit_to_go_on(c, function))
+        return STATUS_OK;
+    c->simulation.state->phase = FAILED;
+    return STATUS_ERROR;
 }
 
 int component_reset(Component *c, const char *function) {

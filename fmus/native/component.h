@@ -62,6 +62,13 @@ int component_set_times(Component *c, const char *function, double start,
 int component_exit_initialization(Component *c, const char *function);
 int component_move(Component *c, const char *function, int from, int to);
 int component_reset(Component *c, const char *function);
+
+/* Event mode: clocked instances enter it from stepping, others from exchanging;
+   an update runs the tick of an active clock. */
+int component_enter_events(Component *c, const char *function);
+int component_leave_events(Component *c, const char *function);
+int component_update(Component *c, const char *function);
+
 int component_step(Component *c, const char *function, double t, double h);
 
 /* The variable a reference belongs to, or NULL with a message that it does not

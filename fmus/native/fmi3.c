@@ -1,5 +1,5 @@
 /* FMI 3.0: instances, phases, states, and the steps of co-simulation.  There is
-   no event mode in co-simulation, no intermediate update, no early return. */
+   no intermediate update and no early return; fmi3_clocks.c has the event mode. */
 #include "component.h" /* first: it may set the prefix */
 
 #include "fmi3Functions.h"
@@ -37,12 +37,15 @@ fmi3Instance fmi3InstantiateCoSimulation(
                                  (void (*)(void))logMessage, instanceEnvironment);
     if (!c)
         return NULL;
-    if (eventModeUsed || nRequiredIntermediateVariables) {
-        component_refuse(c, "fmi3InstantiateCoSimulation: event mode and intermediate "
-                            "variables are not supported; instantiate without");
+    if ((eventModeUsed && feeddrive_model.continuous) ||
+        nRequiredIntermediateVariables) {
+        component_refuse(c, "fmi3InstantiateCoSimulation: intermediate variables, and "
+                            "event mode of a continuous model, are not supported; "
+                            "instantiate without");
         component_free(c);
         return NULL;
     }
+    c->simulation.clocked = eventModeUsed;
     c->logging = loggingOn;
     return c;
 }
@@ -146,28 +149,12 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 
 /* Model exchange: the equations are continuous and have no events. */
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return component_move(instance, "fmi3EnterEventMode", EXCHANGING, EVENT);
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
-                                    fmi3Boolean *discreteStatesNeedUpdate,
-                                    fmi3Boolean *terminateSimulation,
-                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
-                                    fmi3Boolean *valuesOfContinuousStatesChanged,
-                                    fmi3Boolean *nextEventTimeDefined,
-                                    fmi3Float64 *nextEventTime) {
-    if (!component_may(instance, "fmi3UpdateDiscreteStates", EVENT))
-        return fmi3Error;
-    *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
-    *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
-    *nextEventTimeDefined = fmi3False;
-    return fmi3OK;
-}
-
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
-    return component_move(instance, "fmi3EnterContinuousTimeMode", EVENT,
-                          CONTINUOUS_TIME);
+    const char *function = "fmi3EnterContinuousTimeMode";
+    if (feeddrive_model.continuous)
+        return component_move(instance, function, EVENT, CONTINUOUS_TIME);
+    return component_refuse(instance, "%s: %s has no continuous states", function,
+                            feeddrive_model.identifier);
 }
 
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,

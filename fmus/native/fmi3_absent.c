@@ -56,18 +56,6 @@ fmi3Status fmi3SetBinary(fmi3Instance instance,
     return no_type(instance, "fmi3SetBinary", valueReferences, nValueReferences);
 }
 
-fmi3Status fmi3GetClock(fmi3Instance instance,
-                        const fmi3ValueReference valueReferences[],
-                        size_t nValueReferences, fmi3Clock values[]) {
-    return no_type(instance, "fmi3GetClock", valueReferences, nValueReferences);
-}
-
-fmi3Status fmi3SetClock(fmi3Instance instance,
-                        const fmi3ValueReference valueReferences[],
-                        size_t nValueReferences, const fmi3Clock values[]) {
-    return no_type(instance, "fmi3SetClock", valueReferences, nValueReferences);
-}
-
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance,
                                                fmi3ValueReference valueReference,
                                                size_t* nDependencies) {
@@ -112,34 +100,6 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
     return absent(instance, "fmi3ExitConfigurationMode");
 }
 
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
-                                  const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, fmi3Float64 intervals[],
-                                  fmi3IntervalQualifier qualifiers[]) {
-    return absent(instance, "fmi3GetIntervalDecimal");
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
-                                   const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, fmi3UInt64 counters[],
-                                   fmi3UInt64 resolutions[],
-                                   fmi3IntervalQualifier qualifiers[]) {
-    return absent(instance, "fmi3GetIntervalFraction");
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance instance,
-                               const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, fmi3Float64 shifts[]) {
-    return absent(instance, "fmi3GetShiftDecimal");
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
-                                const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, fmi3UInt64 counters[],
-                                fmi3UInt64 resolutions[]) {
-    return absent(instance, "fmi3GetShiftFraction");
-}
-
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance,
                                   const fmi3ValueReference valueReferences[],
                                   size_t nValueReferences,
@@ -172,10 +132,6 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance,
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
     return absent(instance, "fmi3EvaluateDiscreteStates");
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return absent(instance, "fmi3EnterStepMode");
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,

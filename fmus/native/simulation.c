@@ -193,6 +193,20 @@ static double step_end(State *state, double t, double h) {
     return fmin(t + h, state->start_time + sum);
 }
 
+void simulation_activate(Simulation *s, int active) {
+    s->state->ticking = active != 0;
+    s->state->outputs_stale = s->state->outputs_stale || active;
+}
+
+void simulation_tick(Simulation *s) {
+    double *v = s->state->values;
+    prepare(s);
+    evaluate(s, M.step, v + M.x, v + M.u, v + M.T_s, s->x, v + M.y);
+    memcpy(v + M.x, s->x, M.n_x * sizeof(double));
+    s->state->tick++;
+    s->state->ticking = s->state->outputs_stale = 0;
+}
+
 static void sampled_step(Simulation *s, double t, double h) {
     double *v = s->state->values, T_s = v[M.T_s];
     double end = step_end(s->state, t, h) - 1e-6 * T_s;
@@ -214,7 +228,7 @@ int simulation_step(Simulation *s, double t, double h) {
     if (M.continuous) {
         if (!continuous_step(s, t, h))
             return 0;
-    } else {
+    } else if (!s->clocked) {
         sampled_step(s, t, h);
     }
     s->state->values[M.size - 1] = t + h;

@@ -4,7 +4,8 @@
    Runge-Kutta substeps (or the model's advance), cut where a delayed input
    changes; outputs and derivatives are then those at the new time with the
    inputs of the step.  Sampled: tick j runs in the step that ends after
-   start + j*T_s + 1e-6*T_s; several ticks may fall into one step, or none.
+   start + j*T_s + 1e-6*T_s; several ticks may fall into one step, or none; with a
+   clock in use, none ever does.
 
    Outside stepping, outputs follow whatever is set, computed when asked for:
    those of output(), or of step() with the state left as it is.  Everything an
@@ -22,11 +23,13 @@ typedef struct {
     int phase;                    /* of the component's state machine */
     int derived_stale;            /* prepare must run before the next equation */
     int outputs_stale;            /* outputs and derivatives are to be computed */
+    int ticking;                  /* the clock is active */
     double values[];              /* as in model.h, followed by d */
 } State;
 
 typedef struct {
     State *state;
+    int clocked;              /* ticks are asked for in event mode */
     DelayLine *lines;         /* one per model.delays */
     double *u, *x, *k;        /* delayed inputs, trial states, 4 slopes */
     const double **arg;
@@ -50,6 +53,10 @@ void simulation_refresh(Simulation *s);
 
 /* Begin stepping: delayed inputs have always had their present value. */
 void simulation_begin(Simulation *s);
+
+/* Activate or deactivate the clock; run the tick of an active one. */
+void simulation_activate(Simulation *s, int active);
+void simulation_tick(Simulation *s);
 
 /* Number of substeps or ticks a step of h takes, as a double: may be huge. */
 double simulation_effort(double h);

@@ -77,7 +77,9 @@ void component_set(Component *c, unsigned reference, const double *values,
 }
 
 const double *component_values(Component *c) {
-    if (c->simulation.state->phase & (INSTANTIATED | INITIALIZING | EXCHANGING))
+    const State *state = c->simulation.state;
+    int holds = state->phase == EVENT && c->simulation.clocked && !state->ticking;
+    if (state->phase & (INSTANTIATED | INITIALIZING | EXCHANGING) && !holds)
         simulation_refresh(&c->simulation);
     return c->simulation.state->values;
 }

@@ -1,0 +1,126 @@
+/* FMI 3.0: event mode of co-simulation and the clock of a sampled model.
+
+   The clock is an input with the model's constant period; its value reference
+   follows that of time.  With event mode, doStep runs no tick: in event mode the
+   importer activates the clock, sets inputs, and calls updateDiscreteStates, which
+   runs one.  Outputs read while the clock is active are already those of the
+   tick; afterwards they hold. */
+#include "component.h" /* first: it may set the prefix */
+
+#include "fmi3Functions.h"
+
+#define M feeddrive_model
+
+static int may(Component *c, const char *function, int phases,
+               const fmi3ValueReference references[], size_t n) {
+    if (!component_may(c, function, phases))
+        return 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!M.continuous && references[i] == M.size)
+            continue;
+        if (references[i] < M.size)
+            component_no_type(c, function, 1, references[i]);
+        else
+            component_refuse(c, "%s: there is no clock with value reference %u",
+                             function, (unsigned)references[i]);
+        return 0;
+    }
+    return 1;
+}
+
+fmi3Status fmi3GetClock(fmi3Instance instance,
+                        const fmi3ValueReference valueReferences[],
+                        size_t nValueReferences, fmi3Clock values[]) {
+    Component *c = instance;
+    if (!may(c, "fmi3GetClock", ANY, valueReferences, nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++)
+        values[i] = c->simulation.state->ticking != 0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetClock(fmi3Instance instance,
+                        const fmi3ValueReference valueReferences[],
+                        size_t nValueReferences, const fmi3Clock values[]) {
+    Component *c = instance;
+    if (!may(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++)
+        simulation_activate(&c->simulation, values[i]);
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
+                                  const fmi3ValueReference valueReferences[],
+                                  size_t nValueReferences, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[]) {
+    if (!may(instance, "fmi3GetIntervalDecimal", ANY, valueReferences,
+             nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        intervals[i] = (double)M.period_num / (double)M.period_den;
+        qualifiers[i] = fmi3IntervalUnchanged;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
+                                   const fmi3ValueReference valueReferences[],
+                                   size_t nValueReferences, fmi3UInt64 counters[],
+                                   fmi3UInt64 resolutions[],
+                                   fmi3IntervalQualifier qualifiers[]) {
+    if (!may(instance, "fmi3GetIntervalFraction", ANY, valueReferences,
+             nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        counters[i] = (fmi3UInt64)M.period_num;
+        resolutions[i] = (fmi3UInt64)M.period_den;
+        qualifiers[i] = fmi3IntervalUnchanged;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetShiftDecimal(fmi3Instance instance,
+                               const fmi3ValueReference valueReferences[],
+                               size_t nValueReferences, fmi3Float64 shifts[]) {
+    if (!may(instance, "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++)
+        shifts[i] = 0.0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
+                                const fmi3ValueReference valueReferences[],
+                                size_t nValueReferences, fmi3UInt64 counters[],
+                                fmi3UInt64 resolutions[]) {
+    if (!may(instance, "fmi3GetShiftFraction", ANY, valueReferences,
+             nValueReferences))
+        return fmi3Error;
+    for (size_t i = 0; i < nValueReferences; i++) {
+        counters[i] = 0;
+        resolutions[i] = (fmi3UInt64)M.period_den;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    return component_leave_events(instance, "fmi3EnterStepMode");
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    return component_enter_events(instance, "fmi3EnterEventMode");
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
+                                    fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation,
+                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged,
+                                    fmi3Boolean *nextEventTimeDefined,
+                                    fmi3Float64 *nextEventTime) {
+    *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
+    *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
+    *nextEventTimeDefined = fmi3False;
+    return component_update(instance, "fmi3UpdateDiscreteStates");
+}
