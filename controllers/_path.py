@@ -28,15 +28,6 @@ class Output(NamedTuple):
     a_yr: Annotated[float, Var("m/s2", "its acceleration")]
 
 
-class Limits(NamedTuple):
-    """Of the motion along the path."""
-
-    v_max: Any
-    a_max: Any
-    j_max: Any
-    s_max: Any
-
-
 class Along(NamedTuple):
     """Arc length and its derivatives in time."""
 
@@ -45,13 +36,15 @@ class Along(NamedTuple):
     a: Any
 
 
-def move(length: Any, p: Limits) -> trajectory.Parameters:
-    """Return the move over a length (m), without rest before it."""
-    return trajectory.Parameters(length, *p, t_0=0.0, back=False, dwell=0.0, r_g=1.0)
+def move(length: Any, p: Any) -> trajectory.Parameters:
+    """Return the move over a length (m) with the limits of p, from v_max to s_max."""
+    return trajectory.Parameters(
+        length, p.v_max, p.a_max, p.j_max, p.s_max, t_0=0.0, back=False, r_g=1.0
+    )
 
 
-def along(k: Any, length: Any, p: Limits, T_s: Any, d: trajectory.Derived) -> Along:
-    """Return where the move is k ticks after it began."""
+def along(k: Any, length: Any, p: Any, T_s: Any, d: trajectory.Derived) -> Along:
+    """Return where the move is k ticks after it began; p as for ``move``."""
     _, y = trajectory.step(
         trajectory.State(k), trajectory.Input(), move(length, p), T_s, d
     )

@@ -2,7 +2,8 @@
 
     x_r = x_0 + R cos φ,   y_r = y_0 + R sin φ,   φ = s(t)/R
 
-with s from rest to rest over n turns; derivatives by the chain rule.
+with s from rest to rest over n turns; derivatives by the chain rule.  A circle at
+full speed from the first instant: ``controllers.circle_reference``.
 Source: Gordon 2010, sec. 4.5 (diameters of 1 μm, 1 mm and 200 mm).
 """
 
@@ -12,7 +13,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move
+from controllers._path import Input, Output, State, along, move
 from fmus.model import Sampled, Var
 from fmus.ticks import tick_of
 
@@ -34,21 +35,16 @@ def length(p: Parameters) -> Any:
     return np.pi * p.diameter * p.turns
 
 
-def limits(p: Parameters) -> Limits:
-    """Return the limits of the motion along the circle."""
-    return Limits(p.v_max, p.a_max, p.j_max, p.s_max)
-
-
 def prepare(p: Parameters, T_s: float) -> trajectory.Derived:
     """Lay out the move along the circle."""
-    return trajectory.prepare(move(length(p), limits(p)), T_s)
+    return trajectory.prepare(move(length(p), p), T_s)
 
 
 def step(
     x: State, u: Input, p: Parameters, T_s: float, d: trajectory.Derived
 ) -> tuple[State, Output]:
     """Return the command at t = k T_s."""
-    now = along(x.k - tick_of(p.t_0, T_s), length(p), limits(p), T_s, d)
+    now = along(x.k - tick_of(p.t_0, T_s), length(p), p, T_s, d)
     R = p.diameter / 2
     phi, omega = now.s / R, now.v / R
     c, s = np.cos(phi), np.sin(phi)

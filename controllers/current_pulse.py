@@ -32,7 +32,7 @@ class Output(NamedTuple):
 class Parameters(NamedTuple):
     u_r: Annotated[float, Var("A", "height of the pulse")] = 5.0
     t_r: Annotated[float, Var("s", "duration of the pulse", min=0)] = 0.3
-    start: Annotated[float, Var("s", "rest t_0 before the pulse", min=0)] = 0.0
+    t_0: Annotated[float, Var("s", "rest before the pulse", min=0)] = 0.0
     u_b: Annotated[float, Var("A", "height of the braking")] = 0.0
     t_b: Annotated[float, Var("s", "duration of the braking", min=1e-9)] = 0.1
     fading: Annotated[bool, Var("1", "the braking fades out")] = True
@@ -40,7 +40,7 @@ class Parameters(NamedTuple):
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the current of this sample."""
-    k = x.k - tick_of(p.start, T_s)
+    k = x.k - tick_of(p.t_0, T_s)
     k_r = tick_of(p.t_r, T_s)
     t = (k - k_r) * T_s
     fading = (1 + np.cos(np.pi * t / p.t_b)) / 2

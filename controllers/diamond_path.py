@@ -12,7 +12,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move
+from controllers._path import Input, Output, State, along, move
 from fmus.model import Sampled, Var
 from fmus.ticks import tick_of
 
@@ -34,14 +34,9 @@ class Derived(NamedTuple):
     ticks: Any  # from corner to corner
 
 
-def limits(p: Parameters) -> Limits:
-    """Return the limits of the motion along a side."""
-    return Limits(p.v_max, p.a_max, p.j_max, p.s_max)
-
-
 def prepare(p: Parameters, T_s: float) -> Derived:
     """Lay out the move along one side."""
-    side = move(p.side, limits(p))
+    side = move(p.side, p)
     duration = sum(T.hi for T in trajectory.stage_times(side))
     return Derived(trajectory.prepare(side, T_s), tick_of(duration + p.dwell, T_s))
 
@@ -52,7 +47,7 @@ def step(
     """Return the command at t = k T_s."""
     k = x.k - tick_of(p.t_0, T_s)
     n = np.minimum(np.maximum(np.floor(k / d.ticks), 0.0), 3.0)
-    now = along(k - n * d.ticks, p.side, limits(p), T_s, d.side)
+    now = along(k - n * d.ticks, p.side, p, T_s, d.side)
     h = np.sqrt(0.5)
     # side n leaves corner n: right, top, left, bottom
     corner_x = which(n, 1.0, 0.0, -1.0, 0.0) * (h * p.side)

@@ -2,7 +2,7 @@
 
 Each side is run at the path speed v; the axes follow triangle waves of slope
 v/√2 and period 4√2 D/v, a quarter of it apart.  Before t_0 both rest on the
-first corner, (0, D).
+first corner, (0, D).  A path with stops in the corners: ``controllers.diamond_path``.
 Source: Maeda 2007, sec. 6.3.3; D is half the diagonal.
 """
 
@@ -11,34 +11,20 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from controllers.circle_reference import Input, Output, State
 from fmus.model import Sampled, Var
 from fmus.ticks import tick_of, turn
-
-
-class State(NamedTuple):
-    k: Annotated[float, Var("1", "ticks since the start")] = 0.0
-
-
-class Input(NamedTuple):
-    """The reference follows the clock alone."""
-
-
-class Output(NamedTuple):
-    x_r: Annotated[float, Var("m", "reference of the first axis")]
-    vx_r: Annotated[float, Var("m/s", "its velocity")]
-    y_r: Annotated[float, Var("m", "reference of the second axis")]
-    vy_r: Annotated[float, Var("m/s", "its velocity")]
 
 
 class Parameters(NamedTuple):
     D: Annotated[float, Var("m", "half the diagonal", min=1e-12)] = 5e-3
     v: Annotated[float, Var("m/s", "speed along the path", min=0)] = 31.416e-3
-    start: Annotated[float, Var("s", "rest t_0 before the square", min=0)] = 0.0
+    t_0: Annotated[float, Var("s", "rest before the square", min=0)] = 0.0
 
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the references of this sample."""
-    k = x.k - tick_of(p.start, T_s)
+    k = x.k - tick_of(p.t_0, T_s)
     around = turn(p.v / (4 * np.sqrt(2) * p.D), np.maximum(k, 0), T_s)
     slope = np.where(k >= 0, p.v / np.sqrt(2), 0.0)
     x_r, way_x = triangle(around)

@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from controllers import trajectory
-from controllers._path import Input, Limits, Output, State, along, move
+from controllers._path import Input, Output, State, along, move
 from fmus.model import Sampled, Var
 from fmus.ticks import tick_of
 
@@ -34,14 +34,9 @@ def length(p: Parameters) -> Any:
     return np.maximum(np.sqrt(square), 1e-12)
 
 
-def limits(p: Parameters) -> Limits:
-    """Return the limits of the motion along the line."""
-    return Limits(p.v_max, p.a_max, p.j_max, p.s_max)
-
-
 def prepare(p: Parameters, T_s: float) -> trajectory.Derived:
     """Lay out the move along the line."""
-    return trajectory.prepare(move(length(p), limits(p)), T_s)
+    return trajectory.prepare(move(length(p), p), T_s)
 
 
 def step(
@@ -49,7 +44,7 @@ def step(
 ) -> tuple[State, Output]:
     """Return the command at t = k T_s."""
     l = length(p)  # noqa: E741
-    now = along(x.k - tick_of(p.t_0, T_s), l, limits(p), T_s, d)
+    now = along(x.k - tick_of(p.t_0, T_s), l, p, T_s, d)
     c_x, c_y = p.stroke_x / l, p.stroke_y / l
     command = Output(
         p.x_0 + c_x * now.s,

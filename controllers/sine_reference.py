@@ -32,12 +32,12 @@ class Parameters(NamedTuple):
     amplitude: Annotated[float, Var("m", "amplitude A")] = 5e-3
     frequency_hz: Annotated[float, Var("Hz", "frequency f", min=0)] = 1.0
     phase: Annotated[float, Var("rad", "phase φ at the start")] = 0.0
-    start: Annotated[float, Var("s", "rest t_0 before the sine", min=0)] = 0.0
+    t_0: Annotated[float, Var("s", "rest before the sine", min=0)] = 0.0
 
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the reference of this sample."""
-    k = x.k - tick_of(p.start, T_s)
+    k = x.k - tick_of(p.t_0, T_s)
     angle = 2 * np.pi * turn(p.frequency_hz, np.maximum(k, 0), T_s) + p.phase
     omega = 2 * np.pi * p.frequency_hz
     v_r: Any = np.where(k >= 0, omega * p.amplitude * np.cos(angle), 0.0)

@@ -29,14 +29,14 @@ class Output(NamedTuple):
 
 class Parameters(NamedTuple):
     height: Annotated[float, Var("m", "height h of a step, signed")] = 1e-3
-    start: Annotated[float, Var("s", "time t_0 of the first step", min=0)] = 0.0
+    t_0: Annotated[float, Var("s", "time of the first step", min=0)] = 0.0
     steps: Annotated[float, Var("1", "number N of steps", min=0)] = 1.0
     dwell: Annotated[float, Var("s", "time T_d on a step", min=1e-9)] = 1.0
 
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the reference of this sample."""
-    k = x.k - tick_of(p.start, T_s)
+    k = x.k - tick_of(p.t_0, T_s)
     risen = np.floor(k / tick_of(p.dwell, T_s)) + 1
     n = np.minimum(np.maximum(risen, 0.0), p.steps)
     return State(x.k + 1), Output(p.height * n, 0.0 * n)

@@ -36,13 +36,13 @@ def test_the_phase_does_not_drift_over_hours(f_hz: float, k: int) -> None:
     assert 0 <= found < 1
 
 
-@pytest.mark.parametrize("start", [0.0, 0.05])
-def test_a_circle_stays_on_its_radius_and_starts_at_rest(start: float) -> None:
-    p = circle_reference.Parameters(R=5e-3, frequency_hz=2.0, start=start)
+@pytest.mark.parametrize("t_0", [0.0, 0.05])
+def test_a_circle_stays_on_its_radius_and_starts_at_rest(t_0: float) -> None:
+    p = circle_reference.Parameters(R=5e-3, frequency_hz=2.0, t_0=t_0)
     x, vx, y, vy = signals(circle_reference, p, 3000)
     assert np.hypot(x, y) == pytest.approx(5e-3, rel=1e-12)
     assert (x[0], y[0]) == (0.0, 5e-3)
-    first = round(start / T_s)
+    first = round(t_0 / T_s)
     assert np.all(vx[:first] == 0)
     assert np.hypot(vx, vy)[first:] == pytest.approx(4 * np.pi * 5e-3, rel=1e-12)
 
@@ -77,7 +77,7 @@ def test_the_velocity_is_the_rate_of_the_position(
 
 
 def test_a_stair_rises_by_equal_steps_and_then_stays() -> None:
-    p = stair_reference.Parameters(height=5e-9, start=0.01, steps=3.0, dwell=0.02)
+    p = stair_reference.Parameters(height=5e-9, t_0=0.01, steps=3.0, dwell=0.02)
     x, v = signals(stair_reference, p, 600)
     t = np.arange(600) * T_s
     n = np.clip(np.floor((t - 0.01) / 0.02 + 1e-9) + 1, 0, 3)
