@@ -65,7 +65,11 @@ class Archive:
 
     @cached_property
     def major(self) -> int:
-        return self.description.fmi_major
+        """2 or 3."""
+        version = str(self.root.get("fmiVersion"))
+        if version[:2] not in ("2.", "3."):
+            raise CannotRun(f"fmiVersion = {version}; FMI 2.0 and 3.0 are known here")
+        return int(version[0])
 
     @cached_property
     def model(self) -> Any:

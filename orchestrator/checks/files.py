@@ -12,7 +12,14 @@ from lxml import etree
 
 from orchestrator.checks.archive import Archive
 from orchestrator.checks.elf import needed_libraries
-from orchestrator.checks.item import Finding, NotApplicable, Said, advice, static
+from orchestrator.checks.item import (
+    CannotRun,
+    Finding,
+    NotApplicable,
+    Said,
+    advice,
+    static,
+)
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema"
 STORED, DEFLATED = 0, 8
@@ -61,22 +68,25 @@ def plain_zip(fmu: Archive) -> Iterator[Said]:
     "correct the element or attribute named; the order of elements counts",
 )
 def schema(fmu: Archive) -> Iterator[Said]:
-    major = fmu.major
-    xsd = SCHEMAS / f"fmi{major}" / f"fmi{major}ModelDescription.xsd"
-    yield from _against(fmu.root, xsd)
-    encoding = fmu.root.getroottree().docinfo.encoding or "UTF-8"
-    if encoding.upper() != "UTF-8":
-        yield Finding(f"the document is encoded in {encoding}, not UTF-8")
-    made = fmu.root.get("generationDateAndTime")
-    if made is not None and not _is_utc(made):
-        yield advice(
-            f"generationDateAndTime = {made!r} is no UTC time such as "
-            f"2026-11-22T10:00:00Z"
-        )
-    for problem in fmu.problems.get(2, ()):
-        yield Finding(problem)
-    count = len(fmu.description.variables)
-    yield f"FMI {fmu.root.get('fmiVersion')}, {count} variables"
+    _ = fmu.members  # an archive that cannot be opened is the fault of item 1
+    try:
+        xsd = SCHEMAS / f"fmi{fmu.major}" / f"fmi{fmu.major}ModelDescription.xsd"
+        yield from _against(fmu.root, xsd)
+        encoding = fmu.root.getroottree().docinfo.encoding or "UTF-8"
+        if encoding.upper() != "UTF-8":
+            yield Finding(f"the document is encoded in {encoding}, not UTF-8")
+        made = fmu.root.get("generationDateAndTime")
+        if made is not None and not _is_utc(made):
+            yield advice(
+                f"generationDateAndTime = {made!r} is no UTC time such as "
+                f"2026-11-22T10:00:00Z"
+            )
+        for problem in fmu.problems.get(2, ()):
+            yield Finding(problem)
+        count = len(fmu.description.variables)
+        yield f"FMI {fmu.root.get('fmiVersion')}, {count} variables"
+    except CannotRun as error:
+        yield Finding(str(error))
 
 
 def _against(root: Any, xsd: Path) -> Iterator[Said]:

@@ -187,13 +187,13 @@ def arrays_and_clocks(fmu: Archive) -> Iterator[Said]:
     if fmu.major != 3:
         raise NotApplicable("arrays and clocks are of FMI 3")
     parameters = {
-        v.reference: v
-        for v in fmu.description.variables.values()
-        if v.causality == "structuralParameter"
+        element.get("valueReference")
+        for element in fmu.root.iter()
+        if element.get("causality") == "structuralParameter"
     }
     for dimension in fmu.root.iter("Dimension"):
         reference = dimension.get("valueReference")
-        if reference is not None and int(reference) not in parameters:
+        if reference is not None and reference not in parameters:
             yield Finding(
                 f"line {dimension.sourceline}: dimension refers to {reference}, which "
                 f"is no structural parameter"
@@ -205,7 +205,7 @@ def arrays_and_clocks(fmu: Archive) -> Iterator[Said]:
     simulation = [e for e in fmu.interfaces() if e.tag == "CoSimulation"]
     if clocks and any(e.get("hasEventMode") != "true" for e in simulation):
         yield Finding("there are clocks, but hasEventMode is not true")
-    arrays = sum(bool(v.shape) for v in fmu.description.variables.values())
+    arrays = len({dimension.getparent() for dimension in fmu.root.iter("Dimension")})
     yield f"{arrays} arrays, {len(clocks)} clocks"
 
 
