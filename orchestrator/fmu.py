@@ -74,7 +74,8 @@ class FmuDescription:
 
     ``dependencies`` maps every output to the inputs it depends on directly
     while stepping, ``initial_dependencies`` in initialisation; None means all.
-    ``kind`` and ``period`` are None where the FMU does not say.
+    ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
+    reference of the input clock with that period, if it has one.
     """
 
     path: Path
@@ -93,6 +94,7 @@ class FmuDescription:
     co_simulation: bool
     model_exchange: bool
     platforms: tuple[str, ...]
+    clock: int | None
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
@@ -105,6 +107,10 @@ class FmuDescription:
                 f"{self.path}: has no variable {name!r}; "
                 f"{did_you_mean(name, self.variables)}"
             ) from None
+
+    @property
+    def is_ours(self) -> bool:
+        return self.kind is not None  # only our exporter says
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -177,7 +183,11 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         token=md.guid,
         tool=md.generationTool or "unknown",
         description=md.description or "",
-        variables={v.name: _variable(v, md.unitDefinitions) for v in md.modelVariables},
+        variables={
+            v.name: _variable(v, md.unitDefinitions)
+            for v in md.modelVariables
+            if v.type != "Clock"
+        },
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
@@ -188,10 +198,16 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         co_simulation=cs is not None,
         model_exchange=md.modelExchange is not None,
         platforms=_platforms(path),
+        clock=_clock(md.modelVariables) if kind == "sampled" else None,
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
     )
+
+
+def _clock(variables: list[Any]) -> int | None:
+    clocks = [v for v in variables if v.type == "Clock" and v.causality == "input"]
+    return int(clocks[0].valueReference) if len(clocks) == 1 else None
 
 
 def _only_xml(text: bytes) -> bytes:

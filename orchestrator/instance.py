@@ -267,7 +267,7 @@ class LocalInstance:
         with suppress(Exception):
             if self._initialized and self._worst <= DISCARD:
                 self._fmu.terminate()
-        if self.description.kind is None:  # a thread it left may still run its code
+        if not self.description.is_ours:  # a thread it left may still run its code
             self._fmu.freeLibrary = lambda: None
         with suppress(Exception):
             if self._worst != FATAL:  # then no call is allowed any more
@@ -280,12 +280,18 @@ def load(
     description: FmuDescription,
     folder: Path,
     log: Callable[[str, LogMessage], None],
+    *,
+    clocks: bool = False,
 ) -> LocalInstance:
-    """Load an FMU into this process.
+    """Load an FMU into this process, to be ticked by its clock if it has one.
 
     Raises:
         FmuError: its library cannot be loaded here.
     """
+    if clocks and description.co_simulation and description.clock is not None:
+        from orchestrator.clocked import ClockedInstance
+
+        return ClockedInstance(name, description, folder, log)
     if description.co_simulation:
         return LocalInstance(name, description, folder, log)
     from orchestrator.model_exchange import ModelExchangeInstance

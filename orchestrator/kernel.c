@@ -35,7 +35,9 @@
 #endif
 
 enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW, FAULT };
-enum { NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT };
+enum {
+    NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED
+};
 enum { WARNING = 1 };
 enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
 
@@ -64,6 +66,12 @@ typedef struct {
     double gain, offset;
 } Copy;
 
+/* What ticks an FMU by its clock; see orchestrator/clocked.py. */
+typedef struct {
+    Function *set_clock, *update, *enter_step, *enter_event;
+    uint32_t reference;
+} Ticker;
+
 typedef struct {
     void *instance;
     Function *do_step;
@@ -79,6 +87,9 @@ typedef struct {
     int32_t major;
     int64_t steps, readings; /* readings of the clock, and s, when profiled */
     double spent;
+    const Ticker *ticker; /* NULL: do_step ticks */
+    int32_t pending;      /* after a tick, until it was moved on */
+    double h;
 } Part;
 
 typedef struct {
@@ -195,25 +206,76 @@ static int fail(Kernel *kernel, int failure, int64_t k, const Op *op, size_t gro
     return 0;
 }
 
-static ALWAYS_INLINE int step(Kernel *kernel, Part *p, const Op *op, int64_t k, double t) {
+static int tick(const Part *p) {
+    enum { UPDATES = 100, DISCARD = 2 };
+    const Ticker *c = p->ticker;
+    const _Bool active = 1;
+    _Bool flags[5];
+    double next;
+    int status = ((int (*)(void *, const uint32_t *, size_t, const _Bool *))
+                      c->set_clock)(p->instance, &c->reference, 1, &active);
+    for (int i = 0; i < UPDATES && status <= WARNING; i++) {
+        status = ((int (*)(void *, _Bool *, _Bool *, _Bool *, _Bool *, _Bool *,
+                           double *))c->update)(p->instance, flags, flags + 1,
+                                                flags + 2, flags + 3, flags + 4, &next);
+        if (status <= WARNING && flags[1])
+            return DISCARD;
+        if (!flags[0])
+            break;
+    }
+    return status;
+}
+
+/* Returns 0 if the step fails or the FMU wants to end. */
+static ALWAYS_INLINE int do_step(const Part *p, double t, double h, int *status) {
     double reached;
     _Bool event, ended = 0, early = 0;
+    if (p->major == 2)
+        *status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t, h,
+                                                                     1);
+    else
+        *status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
+                            double *))p->do_step)(p->instance, t, h, 1, &event,
+                                                  &ended, &early, &reached);
+    return *status <= WARNING && !ended && !early;
+}
+
+/* From the tick just done to the next, in event mode at both. */
+static int move_on(Kernel *kernel, Part *p, const Op *op, int64_t k) {
+    int (*enter_step)(void *) = (int (*)(void *))p->ticker->enter_step;
+    int (*enter_event)(void *) = (int (*)(void *))p->ticker->enter_event;
+    int status = enter_step(p->instance);
+    p->pending = 0;
+    if (status <= WARNING && do_step(p, *p->clock, p->h, &status)) {
+        status = enter_event(p->instance);
+        if (status <= WARNING)
+            return 1;
+    }
+    fail(kernel, STEP_FAILED, k, op, 0, status);
+    kernel->h = p->h;
+    return 0;
+}
+
+static ALWAYS_INLINE int step(Kernel *kernel, Part *p, const Op *op, int64_t k,
+                              double t) {
     int status;
     *p->clock = t;
     p->steps++;
-    if (p->major == 2)
-        status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t,
-                                                                    op->h, 1);
-    else
-        status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
-                           double *))p->do_step)(p->instance, t, op->h, 1, &event,
-                                                 &ended, &early, &reached);
-    if (status > WARNING || ended || early)
+    if (p->ticker) {
+        status = tick(p);
+        if (status > WARNING)
+            return fail(kernel, TICK_FAILED, k, op, 0, status);
+        p->pending = 1;
+        p->h = op->h;
+        return p->n_outputs ? 1 : move_on(kernel, p, op, k);
+    }
+    if (!do_step(p, t, op->h, &status))
         return fail(kernel, STEP_FAILED, k, op, 0, status);
     return 1;
 }
 
-static ALWAYS_INLINE int get_outputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+static ALWAYS_INLINE int get_outputs(Kernel *kernel, Part *p, const Op *op,
+                                     int64_t k) {
     for (size_t i = 0; i < p->n_outputs; i++) {
         const Group *g = p->outputs + i;
         int status = call(g, g->get, p->instance);
@@ -222,6 +284,8 @@ static ALWAYS_INLINE int get_outputs(Kernel *kernel, const Part *p, const Op *op
         if (g->type != F64)
             from_buffer(g);
     }
+    if (p->pending && !move_on(kernel, p, op, k))
+        return 0;
     for (size_t i = 0; i < p->n_read; i++)
         if (!isfinite(p->raw[i]))
             return fail(kernel, NOT_FINITE, k, op, 0, 0);

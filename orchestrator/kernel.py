@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator import kernel_library as c
+from orchestrator.clocked import ClockedInstance
 from orchestrator.errors import SimulationError
 from orchestrator.executor import refusal
 from orchestrator.faults import Faults
@@ -123,6 +124,9 @@ class Kernel:
         how = c.FAILURES[int(kernel.failure)]
         if how == "step":
             return instance.failed_step(float(kernel.h), status)
+        if how == "tick":
+            assert isinstance(instance, ClockedInstance)
+            return instance.failed_tick(status)
         if how == "get":
             return instance.outputs[group].failure("get", status)
         if how == "set":
@@ -183,7 +187,20 @@ class Kernel:
             line=line.ctypes.data,
             latency=part.component.latency,
             major=instance.step_major,
+            ticker=self._ticker(instance),
         )
+
+    def _ticker(self, instance: Instance) -> int | None:
+        if not isinstance(instance, ClockedInstance):
+            return None
+        ticker = c.Ticker(
+            set_clock=address(instance.set_clock),
+            update=address(instance.update),
+            enter_step=address(instance.enter_step),
+            enter_event=address(instance.enter_event),
+            reference=instance.clock_reference.value,
+        )
+        return addressof(self._array(c.Ticker, [ticker]))
 
     def _table(self, table: Table) -> c.Table:
         sources = self._array(c_void_p, [self._at(int(i)) for i in table.index])

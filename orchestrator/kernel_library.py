@@ -15,7 +15,7 @@ from fmus.compile import compile_alone, host_platform
 
 SOURCES = [Path(__file__).with_name(name) for name in ("kernel.c", "channel.c")]
 CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
-FAILURES = ("", "step", "get", "set", "not finite", "does not fit")
+FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick")
 DOING = ("set", "doStep", "get")  # of a channel
 ASK = ("step", "exchange", "leave")
 TYPES: tuple[Any, ...] = (
@@ -62,6 +62,18 @@ class Copy(ctypes.Structure):
     ]
 
 
+class Ticker(ctypes.Structure):
+    """What ticks an FMU by its clock."""
+
+    _fields_: ClassVar[Any] = [
+        ("set_clock", c_void_p),
+        ("update", c_void_p),
+        ("enter_step", c_void_p),
+        ("enter_event", c_void_p),
+        ("reference", c_uint32),
+    ]
+
+
 class Part(ctypes.Structure):
     """One FMU instance and its places in the vector."""
 
@@ -87,6 +99,9 @@ class Part(ctypes.Structure):
         ("steps", c_int64),
         ("readings", c_int64),
         ("spent", c_double),
+        ("ticker", c_void_p),
+        ("pending", c_int32),
+        ("h", c_double),
     ]
 
 

@@ -1,8 +1,8 @@
 """One run of a system: the order in which everything is opened and closed.
 
 1. read and check all FMUs, wire, order, schedule: nothing has run yet;
-2. unpack and load each FMU (those that need Python or another tool in a process
-   of their own), initialise together;
+2. unpack and load each FMU (those that are not ours, or need Python or another
+   tool, in a process of their own), initialise together;
 3. execute the timetable, recording: natively where all FMUs run in this process
    and a compiler is there, else in Python, with the same bits;
 4. whatever happens: end the streams, terminate and free the instances, delete
@@ -153,7 +153,7 @@ def open_instance(
     """
     apart = isolation.process
     if apart is None:
-        apart = fmu.needs_execution_tool
+        apart = fmu.needs_execution_tool or not fmu.is_ours
     alone = shared is None or apart or fmu.once_per_process
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:
@@ -165,7 +165,7 @@ def open_instance(
 
         instance = IsolatedInstance(name, fmu, folder, _log, isolation)
     else:
-        instance = load(name, fmu, folder, _log)
+        instance = load(name, fmu, folder, _log, clocks=shared is not None)
     stack.callback(instance.close)
     return instance
 
