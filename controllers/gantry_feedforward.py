@@ -1,6 +1,6 @@
 """Inertia feed-forward of the gantry.
 
-    (u_ff1, u_ff2) = M_y (a_r, a_r)
+    (u_ff1, u_ff2) = M_y (a_yr, a_yr)
 
 Source: Gordon 2010, eq. 4.31; both ends take the unfiltered command's acceleration.
 """

@@ -76,7 +76,9 @@ class Parameters(NamedTuple):
     zeta_lpf: Annotated[float, Var("1", "its damping ratio", min=0)] = np.sqrt(0.5)
     lead_on: Annotated[bool, Var("1", "lead is in the pack")] = True
     omega_lead_hz: Annotated[float, Var("Hz", "lead, largest phase", min=0)] = 154.0
-    phi_lead: Annotated[float, Var("rad", "its phase there", min=0)] = np.deg2rad(70)
+    phi_lead: Annotated[float, Var("rad", "its phase there", min=0, max=1.57)] = (
+        np.deg2rad(70)
+    )
 
 
 class Derived(NamedTuple):

@@ -1,6 +1,6 @@
 """Trajectory pre-filters of the gantry, one set of gains for either end.
 
-    y_ri = y_r + K_vel,i v_f + K_acc,i a_f + K_jerk,i j_f + K_snap,i s_f
+    y_if = y_r + K_vel,i v_f + K_acc,i a_f + K_jerk,i j_f + K_snap,i s_f
 
 The filtered derivatives are those of ``controllers.linear_prefilter``.
 Source: Gordon 2010, eq. 4.32; ω_c = 80 Hz.

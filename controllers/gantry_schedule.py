@@ -31,9 +31,9 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=0)] = 2.722
+    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=1e-9)] = 2.722
     m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
-    L: Annotated[float, Var("m", "distance of the motors", min=0)] = 1.484
+    L: Annotated[float, Var("m", "distance of the motors", min=1e-9)] = 1.484
     J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=0)] = 0.4342
     d: Annotated[float, Var("m", "table's lever at x = 0")] = 0.1655
     alpha_0: Annotated[float, Var("1", "offset of the mass distribution")] = 0.0

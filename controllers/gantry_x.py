@@ -1,11 +1,11 @@
 """Whole controller of the x axis in one sample.
 
-    x_r' = prefilter(x_r)
-    u    = filters(double_lead(x_r' - x_m)) + m_x a_xr + u_d
+    x_f = prefilter(x_r)
+    u   = filters(double_lead(x_f - x_m)) + m_x a_xr + u_d
 
 The parts are models of their own; here they run one after the other at the same
 instant.
-Source: Gordon 2010, sec. 4.4.1.
+Source: Gordon 2010, sec. 4.4.1, eq. 4.17 to 4.20.
 """
 
 from fractions import Fraction

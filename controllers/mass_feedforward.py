@@ -1,6 +1,6 @@
 """Inertia feed-forward of a linear axis.
 
-    u_ff = m_x a_r
+    u_ff = m_x a_xr
 
 Source: Gordon 2010, eq. 4.19.
 """

@@ -6,7 +6,7 @@
 
 The parts are models of their own; here they run one after the other at the same
 instant, and the drive's parameters, shared by G_r and G_ff, are given once.
-Source: Gordon 2010, sec. 3.2, fig. 3.1.
+Source: Gordon 2010, sec. 3.2, fig. 3.1, eq. 3.5 to 3.20.
 """
 
 from fractions import Fraction
@@ -34,13 +34,13 @@ class State(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m_1: Annotated[float, Var("V.s2/rad", "rotating inertia", min=0)] = 1.858e-3
-    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=0)] = 0.379e-3
+    m_1: Annotated[float, Var("V.s2/rad", "rotating inertia", min=1e-9)] = 1.858e-3
+    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=1e-9)] = 0.379e-3
     b_1: Annotated[float, Var("V.s/rad", "damping of motor and bearings", min=0)] = (
         1.020e-3
     )
     b_2: Annotated[float, Var("V.s/rad", "damping of the guideways", min=0)] = 0.0
-    k: Annotated[float, Var("V/rad", "axial stiffness", min=0)] = 210.02
+    k: Annotated[float, Var("V/rad", "axial stiffness", min=1e-9)] = 210.02
     c: Annotated[float, Var("V.s/rad", "damping of the nut", min=0)] = 0.014
     K_x1: Annotated[float, Var("V/rad", "gain on the screw error")] = 632.965300
     K_x2: Annotated[float, Var("V/rad", "gain on the table error")] = -83.312458

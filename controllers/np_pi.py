@@ -18,7 +18,9 @@ from fmus.model import Sampled, Var
 
 class Parameters(NamedTuple):
     k_v: Annotated[float, Var("1/s", "position gain")] = 225.0
-    KO: Annotated[float, Var("1/mm", "rate of variation of the nonlinear gain")] = 3.5
+    KO: Annotated[
+        float, Var("1/mm", "rate of variation of the nonlinear gain", min=0)
+    ] = 3.5
     e_max: Annotated[float, Var("mm", "error beyond which N is held", min=0)] = 0.5
     k_p: Annotated[float, Var("V.s/mm", "proportional gain")] = 0.006607
     k_i: Annotated[float, Var("V/mm", "integral gain")] = 0.12075

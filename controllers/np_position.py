@@ -32,7 +32,9 @@ class Output(NamedTuple):
 
 class Parameters(NamedTuple):
     k_v: Annotated[float, Var("1/s", "position gain")] = 225.0
-    KO: Annotated[float, Var("1/mm", "rate of variation of the nonlinear gain")] = 3.5
+    KO: Annotated[
+        float, Var("1/mm", "rate of variation of the nonlinear gain", min=0)
+    ] = 3.5
     e_max: Annotated[float, Var("mm", "error beyond which N is held", min=0)] = 0.5
 
 

@@ -6,7 +6,7 @@
 
 The parts are models of their own; here they run one after the other at the same
 instant.  Of the command's derivatives only v_r is used, by the friction law.
-Source: Gordon 2010, sec. 3.3, fig. 3.9.
+Source: Gordon 2010, sec. 3.3, fig. 3.9, eq. 3.25.
 """
 
 from fractions import Fraction

@@ -38,9 +38,9 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=0)] = 0.379e-3
+    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=1e-9)] = 0.379e-3
     b_2: Annotated[float, Var("V.s/rad", "damping of the guideways", min=0)] = 0.0
-    k: Annotated[float, Var("V/rad", "axial stiffness", min=0)] = 210.02
+    k: Annotated[float, Var("V/rad", "axial stiffness", min=1e-9)] = 210.02
     c: Annotated[float, Var("V.s/rad", "damping of the nut", min=0)] = 0.014
     on: Annotated[bool, Var("1", "off: the screw gets the table command")] = True
     analytic: Annotated[bool, Var("1", "use the trajectory's derivatives")] = False

@@ -60,8 +60,8 @@ class Torsion(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m_1: Annotated[float, Var("V.s2/rad", "rotating inertia", min=0)] = 1.858e-3
-    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=0)] = 0.379e-3
+    m_1: Annotated[float, Var("V.s2/rad", "rotating inertia", min=1e-9)] = 1.858e-3
+    m_2: Annotated[float, Var("V.s2/rad", "translating inertia", min=1e-9)] = 0.379e-3
     b_1: Annotated[float, Var("V.s/rad", "damping of motor and bearings", min=0)] = (
         1.020e-3
     )

@@ -6,11 +6,12 @@ Source: Gordon 2010, sec. 3.2.1 (10 nm of table motion on either encoder).
 """
 
 from fractions import Fraction
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from fmus.model import Sampled, Var
+from plants._quantiser import reading
 
 
 class State(NamedTuple):
@@ -38,9 +39,7 @@ class Parameters(NamedTuple):
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return both readings."""
     q = p.q / p.r_g
-    y_1: Any = np.where(p.on, q * np.floor(u.x_1 / q + 0.5), u.x_1)
-    y_2: Any = np.where(p.on, q * np.floor(u.x_2 / q + 0.5), u.x_2)
-    return x, Output(y_1, y_2)
+    return x, Output(reading(u.x_1, q, p.on), reading(u.x_2, q, p.on))
 
 
 model = Sampled(

@@ -23,10 +23,10 @@ from fmus.model import Continuous, Var
 
 
 class State(NamedTuple):
-    y_1: Annotated[float, Var("m", "left end")] = 0.0
-    y_2: Annotated[float, Var("m", "right end")] = 0.0
-    v_1: Annotated[float, Var("m/s", "velocity of the left end")] = 0.0
-    v_2: Annotated[float, Var("m/s", "velocity of the right end")] = 0.0
+    y_1: Annotated[float, Var("m", "left end", nominal=1e-6)] = 0.0
+    y_2: Annotated[float, Var("m", "right end", nominal=1e-6)] = 0.0
+    v_1: Annotated[float, Var("m/s", "velocity of the left end", nominal=1e-3)] = 0.0
+    v_2: Annotated[float, Var("m/s", "velocity of the right end", nominal=1e-3)] = 0.0
 
 
 class Input(NamedTuple):
@@ -46,11 +46,11 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=0)] = 2.722
+    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=1e-9)] = 2.722
     m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
     m_p: Annotated[float, Var("V.s2/m", "payload on the table", min=0)] = 0.0
-    L: Annotated[float, Var("m", "distance of the motors", min=0)] = 1.484
-    J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=0)] = 0.4342
+    L: Annotated[float, Var("m", "distance of the motors", min=1e-9)] = 1.484
+    J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=1e-9)] = 0.4342
     d: Annotated[float, Var("m", "table's lever at x = 0")] = 0.1655
     c: Annotated[float, Var("V.m.s/rad", "damping of the yaw", min=0)] = 18.17
     k: Annotated[float, Var("V.m/rad", "stiffness of the yaw", min=0)] = 159200.0

@@ -25,18 +25,20 @@ from plants.gantry import Input, Output
 
 
 class State(NamedTuple):
-    y_1: Annotated[float, Var("m", "left end of the rigid gantry")] = 0.0
-    y_2: Annotated[float, Var("m", "right end of the rigid gantry")] = 0.0
-    v_1: Annotated[float, Var("m/s", "velocity of the left end")] = 0.0
-    v_2: Annotated[float, Var("m/s", "velocity of the right end")] = 0.0
+    y_1: Annotated[float, Var("m", "left end of the rigid gantry", nominal=1e-6)] = 0.0
+    y_2: Annotated[float, Var("m", "right end of the rigid gantry", nominal=1e-6)] = 0.0
+    v_1: Annotated[float, Var("m/s", "velocity of the left end", nominal=1e-3)] = 0.0
+    v_2: Annotated[float, Var("m/s", "velocity of the right end", nominal=1e-3)] = 0.0
     f_1: Annotated[float, Var("V", "force of the left motor")] = 0.0
     f_2: Annotated[float, Var("V", "force of the right motor")] = 0.0
-    q_b: Annotated[float, Var("m", "deflection of the base")] = 0.0
-    v_b: Annotated[float, Var("m/s", "its rate")] = 0.0
-    q_u: Annotated[float, Var("m", "deflection of the unexplained mode")] = 0.0
-    v_u: Annotated[float, Var("m/s", "its rate")] = 0.0
-    q_t: Annotated[float, Var("m", "bending of the beam")] = 0.0
-    v_t: Annotated[float, Var("m/s", "its rate")] = 0.0
+    q_b: Annotated[float, Var("m", "deflection of the base", nominal=1e-6)] = 0.0
+    v_b: Annotated[float, Var("m/s", "its rate", nominal=1e-3)] = 0.0
+    q_u: Annotated[
+        float, Var("m", "deflection of the unexplained mode", nominal=1e-6)
+    ] = 0.0
+    v_u: Annotated[float, Var("m/s", "its rate", nominal=1e-3)] = 0.0
+    q_t: Annotated[float, Var("m", "bending of the beam", nominal=1e-6)] = 0.0
+    v_t: Annotated[float, Var("m/s", "its rate", nominal=1e-3)] = 0.0
 
 
 class Mode(NamedTuple):
@@ -50,11 +52,11 @@ class Mode(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=0)] = 2.722
+    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=1e-9)] = 2.722
     m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
     m_p: Annotated[float, Var("V.s2/m", "payload on the table", min=0)] = 0.0
-    L: Annotated[float, Var("m", "distance of the motors", min=0)] = 1.484
-    J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=0)] = 0.4342
+    L: Annotated[float, Var("m", "distance of the motors", min=1e-9)] = 1.484
+    J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=1e-9)] = 0.4342
     d: Annotated[float, Var("m", "table's lever at x = 0")] = 0.1655
     c: Annotated[float, Var("V.m.s/rad", "damping of the yaw", min=0)] = 18.17
     k: Annotated[float, Var("V.m/rad", "stiffness of the yaw", min=0)] = 159200.0

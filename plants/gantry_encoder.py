@@ -7,11 +7,10 @@ interpolation on the same kind of scale; for the gantry our assumption).
 """
 
 from fractions import Fraction
-from typing import Annotated, Any, NamedTuple
-
-import numpy as np
+from typing import Annotated, NamedTuple
 
 from fmus.model import Sampled, Var
+from plants._quantiser import reading
 
 
 class State(NamedTuple):
@@ -37,12 +36,7 @@ class Parameters(NamedTuple):
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the three readings."""
-    return x, Output(*(reading(position, p) for position in u))
-
-
-def reading(position: Any, p: Parameters) -> Any:
-    """Return what an encoder shows at a position (m)."""
-    return np.where(p.on, p.q * np.floor(position / p.q + 0.5), position)
+    return x, Output(*(reading(position, p.q, p.on) for position in u))
 
 
 model = Sampled(

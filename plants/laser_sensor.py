@@ -6,11 +6,10 @@ Source: Maeda 2007, ch. 2 (Agilent 10897B, 1.24 nm).
 """
 
 from fractions import Fraction
-from typing import Annotated, Any, NamedTuple
-
-import numpy as np
+from typing import Annotated, NamedTuple
 
 from fmus.model import Sampled, Var
+from plants._quantiser import reading
 
 
 class State(NamedTuple):
@@ -32,8 +31,7 @@ class Parameters(NamedTuple):
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the reading."""
-    y: Any = np.where(p.on, p.q * np.floor(u.x / p.q + 0.5), u.x)
-    return x, Output(y)
+    return x, Output(reading(u.x, p.q, p.on))
 
 
 model = Sampled(

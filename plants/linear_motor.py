@@ -14,8 +14,8 @@ from fmus.model import Continuous, Var
 
 
 class State(NamedTuple):
-    x: Annotated[float, Var("m", "table position")] = 0.0
-    v: Annotated[float, Var("m/s", "table velocity")] = 0.0
+    x: Annotated[float, Var("m", "table position", nominal=1e-6)] = 0.0
+    v: Annotated[float, Var("m/s", "table velocity", nominal=1e-3)] = 0.0
 
 
 class Input(NamedTuple):
@@ -29,7 +29,7 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
+    m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=1e-9)] = 0.6977
 
 
 def derivative(x: State, u: Input, p: Parameters) -> State:

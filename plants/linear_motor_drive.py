@@ -19,13 +19,13 @@ from plants.linear_motor import Input, Output
 
 
 class State(NamedTuple):
-    x: Annotated[float, Var("m", "table position")] = 0.0
-    v: Annotated[float, Var("m/s", "table velocity")] = 0.0
+    x: Annotated[float, Var("m", "table position", nominal=1e-6)] = 0.0
+    v: Annotated[float, Var("m/s", "table velocity", nominal=1e-3)] = 0.0
     f: Annotated[float, Var("V", "motor force as control signal")] = 0.0
 
 
 class Parameters(NamedTuple):
-    m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
+    m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=1e-9)] = 0.6977
     amplifier: Amplifier = Amplifier()
     ripple: Ripple = Ripple()
 
