@@ -65,6 +65,16 @@ class Settings(NamedTuple):
     filters: gantry_filters.Parameters
 
 
+def settings(p: Any) -> Settings:
+    """Return the parameters of those parts from a whole controller's."""
+    return Settings(schedule(p), p.prefilter, p.feedforward, p.filters)
+
+
+def schedule(p: Any) -> gantry_schedule.Parameters:
+    """Return the schedule's own parameters from a whole controller's."""
+    return gantry_schedule.Parameters(p.m, p.m_x, p.L, p.J_0, p.d, p.alpha_0)
+
+
 def prepare(p: Settings, T_s: float) -> Coefficients:
     """Match pre-filter and filter pack at the sample time."""
     return Coefficients(

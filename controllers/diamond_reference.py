@@ -11,7 +11,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from controllers.circle_reference import Input, Output, State
+from controllers.circle_reference import Output
+from controllers.sine_reference import Input, State
 from fmus.model import Sampled, Var
 from fmus.ticks import tick_of, turn
 

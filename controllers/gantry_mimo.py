@@ -1,7 +1,7 @@
 """Averaged MIMO controller of the gantry: the whole controller in one sample.
 
-    y_1r, y_2r = prefilter(y_r),    α_i, M_y scheduled by x_s
-    u = h · averaging(y_ir - y_im) + M_y (a_r, a_r) + u_d
+    y_1f, y_2f = prefilter(y_r),    α_i, M_y scheduled by x_s
+    u = h · averaging(y_if - y_im) + M_y (a_yr, a_yr) + u_d
 
 The parts are models of their own; here they run one after the other at the same
 instant.
@@ -17,10 +17,9 @@ from controllers import (
     gantry_feedforward,
     gantry_filters,
     gantry_prefilter,
-    gantry_schedule,
     linear_prefilter,
 )
-from controllers._gantry import Coefficients, Common, Input, Output, Settings
+from controllers._gantry import Coefficients, Common, Input, Output, settings
 from controllers._sections import First
 from fmus.model import Sampled, Var
 
@@ -37,9 +36,9 @@ class Parameters(NamedTuple):
     a: Annotated[float, Var("rad/s", "pole of the lead", min=1e-9)] = 669.3477867
     beta: Annotated[float, Var("V.s/m", "active damping")] = 49.03546478
     k_i: Annotated[float, Var("V/(m.s)", "integral gain of either end")] = 1e7
-    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=0)] = 2.722
+    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=1e-9)] = 2.722
     m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
-    L: Annotated[float, Var("m", "distance of the motors", min=0)] = 1.484
+    L: Annotated[float, Var("m", "distance of the motors", min=1e-9)] = 1.484
     J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=0)] = 0.4342
     d: Annotated[float, Var("m", "table's lever at x = 0")] = 0.1655
     alpha_0: Annotated[float, Var("1", "offset of the mass distribution")] = 0.0
@@ -58,16 +57,10 @@ def of_feedback(p: Parameters) -> gantry_averaging.Parameters:
     return gantry_averaging.Parameters(p.K, p.T_d, p.a, p.beta, p.k_i)
 
 
-def of_common(p: Parameters) -> Settings:
-    """Return the parameters of the parts around the law."""
-    schedule = gantry_schedule.Parameters(p.m, p.m_x, p.L, p.J_0, p.d, p.alpha_0)
-    return Settings(schedule, p.prefilter, p.feedforward, p.filters)
-
-
 def prepare(p: Parameters, T_s: float) -> Derived:
     """Match every part at the sample time."""
     feedback = gantry_averaging.prepare(of_feedback(p), T_s)
-    return Derived(feedback, _gantry.prepare(of_common(p), T_s))
+    return Derived(feedback, _gantry.prepare(settings(p), T_s))
 
 
 def step(
@@ -79,7 +72,7 @@ def step(
         return gantry_averaging.step(x.feedback, e, of_feedback(p), T_s, d.feedback)
 
     common = Common(x.prefilter, x.filters)
-    after, feedback, y = _gantry.around(law, common, u, of_common(p), T_s, d.common)
+    after, feedback, y = _gantry.around(law, common, u, settings(p), T_s, d.common)
     return State(after.prefilter, feedback, after.filters), y
 
 

@@ -1,6 +1,6 @@
 """Independent PID controllers of the gantry: the whole baseline in one sample.
 
-    u = h_p · PID(y_ir - y_im) + M_y (a_r, a_r) + u_d
+    u = h_p · PID(y_if - y_im) + M_y (a_yr, a_yr) + u_d
 
 h_p are the notches and the low-pass of the averaged controller without its lead;
 schedule, pre-filter and feed-forward are the same.
@@ -17,10 +17,9 @@ from controllers import (
     gantry_feedforward,
     gantry_filters,
     gantry_prefilter,
-    gantry_schedule,
     linear_prefilter,
 )
-from controllers._gantry import Coefficients, Common, Input, Output, Settings
+from controllers._gantry import Coefficients, Common, Input, Output, settings
 from fmus.model import Sampled, Var
 
 
@@ -34,9 +33,9 @@ class Parameters(NamedTuple):
     K_p: Annotated[float, Var("V/m", "proportional gain")] = 15869.0
     K_i: Annotated[float, Var("V/(m.s)", "integral gain")] = 247953.0
     K_d: Annotated[float, Var("V.s/m", "derivative gain")] = 253.904
-    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=0)] = 2.722
+    m: Annotated[float, Var("V.s2/m", "mass of gantry and table", min=1e-9)] = 2.722
     m_x: Annotated[float, Var("V.s2/m", "mass of the table", min=0)] = 0.6977
-    L: Annotated[float, Var("m", "distance of the motors", min=0)] = 1.484
+    L: Annotated[float, Var("m", "distance of the motors", min=1e-9)] = 1.484
     J_0: Annotated[float, Var("V.m.s2/rad", "inertia without table", min=0)] = 0.4342
     d: Annotated[float, Var("m", "table's lever at x = 0")] = 0.1655
     alpha_0: Annotated[float, Var("1", "offset of the mass distribution")] = 0.0
@@ -45,15 +44,9 @@ class Parameters(NamedTuple):
     filters: gantry_filters.Parameters = gantry_filters.Parameters(lead_on=False)
 
 
-def of_common(p: Parameters) -> Settings:
-    """Return the parameters of the parts around the law."""
-    schedule = gantry_schedule.Parameters(p.m, p.m_x, p.L, p.J_0, p.d, p.alpha_0)
-    return Settings(schedule, p.prefilter, p.feedforward, p.filters)
-
-
 def prepare(p: Parameters, T_s: float) -> Coefficients:
     """Match every part at the sample time."""
-    return _gantry.prepare(of_common(p), T_s)
+    return _gantry.prepare(settings(p), T_s)
 
 
 def step(
@@ -66,7 +59,7 @@ def step(
         return gantry_end_pid.step(x.feedback, e, gains, T_s)
 
     common = Common(x.prefilter, x.filters)
-    after, feedback, y = _gantry.around(law, common, u, of_common(p), T_s, d)
+    after, feedback, y = _gantry.around(law, common, u, settings(p), T_s, d)
     return State(after.prefilter, feedback, after.filters), y
 
 

@@ -8,8 +8,6 @@ All act on the errors; ``s`` has shape (n,), matrices (n, 2, 2).
 Source: Gordon 2010, sec. 4.4.1, eq. 4.25 to 4.30.
 """
 
-from typing import TypeAlias
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,9 +19,9 @@ from controllers import (
     gantry_x,
     gantry_x_filters,
 )
+from controllers._gantry import schedule
+from controllers.synthesis.frequency import ComplexArray
 from controllers.synthesis.loop_shaping import lead_ratio
-
-ComplexArray: TypeAlias = NDArray[np.complex128]
 
 
 def notch(
@@ -91,7 +89,6 @@ def distribution(
     p: gantry_mimo.Parameters | gantry_pid.Parameters, x: float
 ) -> NDArray[np.float64]:
     """Return (α_1, α_2) of a controller's own schedule at x (m)."""
-    schedule = gantry_schedule.Parameters(p.m, p.m_x, p.L, p.J_0, p.d, p.alpha_0)
     at = gantry_schedule.Input(x)
-    _, now = gantry_schedule.step(gantry_schedule.State(), at, schedule, 0.0)
+    _, now = gantry_schedule.step(gantry_schedule.State(), at, schedule(p), 0.0)
     return np.array([now.alpha_1, now.alpha_2])
