@@ -28,7 +28,13 @@ GRID_HZ: FloatArray = np.linspace(1.0, 400.0, 7981)  # every 0.05 Hz
 
 @dataclass(frozen=True)
 class Loop:
-    """Plant, controller and the whole samples u is late."""
+    """Plant, controller and the whole samples u is late.
+
+    The feedback's sign is the controller's own.
+
+    Raises:
+        ValueError: the sample times differ, or a continuous loop is to be late.
+    """
 
     plant: ct.StateSpace
     controller: ct.StateSpace
@@ -88,10 +94,12 @@ def respond(loop: Loop, f_hz: FloatArray = GRID_HZ) -> Response:
     Commands of a sampled controller are samples of the exact derivatives.
     """
     omega = 2 * np.pi * np.asarray(f_hz, dtype=float)
-    P = _evaluate(loop.plant, omega)
-    C = _evaluate(loop.controller, omega)
+    point: ComplexArray = np.asarray(1j * omega, dtype=np.complex128)
+    if loop.plant.isdtime(strict=True):
+        point = np.exp(loop.plant.dt * point)
+    P, C = evaluate(loop.plant, point), evaluate(loop.controller, point)
     if loop.latency:
-        C = C * np.exp(-1j * omega[:, None, None] * loop.plant.dt * loop.latency)
+        C = C * (point**-loop.latency)[:, None, None]
     measured = loop.plant.noutputs
     orders = np.arange(loop.controller.ninputs - measured)
     command = (1j * omega[:, None]) ** orders
@@ -109,13 +117,9 @@ def respond(loop: Loop, f_hz: FloatArray = GRID_HZ) -> Response:
     )
 
 
-def _evaluate(system: ct.StateSpace, omega: FloatArray) -> ComplexArray:
-    """Return the response of shape (n, outputs, inputs)."""
-    s = 1j * omega
-    point = np.exp(s * system.dt) if system.isdtime(strict=True) else s
-    values = system.horner(point, warn_infinite=False)
-    response: ComplexArray = np.moveaxis(values, -1, 0)
-    return response
+def evaluate(system: ct.StateSpace, point: ComplexArray) -> ComplexArray:
+    """Return a system at complex points (n,) of its own plane, (n, rows, columns)."""
+    return np.asarray(np.moveaxis(system.horner(point, warn_infinite=False), -1, 0))
 
 
 def battery(response: Response) -> Battery:
@@ -165,9 +169,19 @@ def _distinct(omega: FloatArray) -> NDArray[np.bool_]:
 def _bands(S: ComplexArray, f_hz: FloatArray) -> FloatArray:
     # |S| = 1 is the gain crossover of S
     crossings = _margins(S, 2 * np.pi * f_hz)[4] / (2 * np.pi)
+    return bands_between(f_hz, np.abs(S), crossings)
+
+
+def bands_between(
+    f_hz: FloatArray, value: FloatArray, crossings: FloatArray
+) -> FloatArray:
+    """Return the bands where a curve is below 1, (m, 2), from where it passes 1.
+
+    A band that reaches the low end of the grid counts from 0.
+    """
     edges = np.concatenate([f_hz[:1], crossings, f_hz[-1:]])
     middles = (edges[:-1] + edges[1:]) / 2
-    below = np.interp(middles, f_hz, np.abs(S)) < 1
+    below = np.interp(middles, f_hz, value) < 1
     bands: FloatArray = np.column_stack([edges[:-1], edges[1:]])[below]
     bands[bands == f_hz[0]] = 0.0
     return bands
@@ -179,15 +193,17 @@ def poles(loop: Loop) -> ComplexArray:
     States of the controller that serve its commands only are no part of the loop.
     """
     controller = without_bystanders(loop.controller[:, : loop.plant.noutputs])
-    if loop.latency:
-        controller = _shift_register(loop.latency, loop.plant.dt) * controller
+    controller = delayed(controller, loop.latency)
     closed = ct.feedback(loop.plant[:, :1], controller, sign=1)
     eigenvalues: ComplexArray = closed.poles()
     return eigenvalues
 
 
-def _shift_register(samples: int, T_s: float) -> ct.StateSpace:
-    B, C = np.zeros((samples, 1)), np.zeros((1, samples))
-    B[0, 0] = C[0, -1] = 1.0
-    A = np.eye(samples, k=-1)
-    return ct.ss(A, B, C, 0.0, T_s, remove_useless_states=False)
+def delayed(system: ct.StateSpace, samples: int) -> ct.StateSpace:
+    """Return a sampled system whose outputs are late by whole samples."""
+    eye = np.eye(system.noutputs)
+    zero = np.zeros_like(eye)
+    one = ct.ss(zero, eye, eye, zero, system.dt, remove_useless_states=False)
+    for _ in range(samples):
+        system = one * system
+    return system

@@ -15,15 +15,13 @@ Source: Gordon 2010, eq. 4.5 to 4.16, corrected: in 4.9 the columns of c_ij bear
 (docs/studies/gantry.md).
 """
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from controllers.synthesis.frequency import ComplexArray
 from fmus.model import FloatArray
-
-ComplexArray: TypeAlias = NDArray[np.complex128]
 
 
 class Gantry(NamedTuple):

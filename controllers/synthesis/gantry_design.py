@@ -39,16 +39,13 @@ def x_axis(
         ValueError: the leads cannot give the phase.
     """
     omega_c = 2 * np.pi * f_c_hz
-    s = np.array([1j * omega_c])
-    filters = x_filters(gantry_x_filters.Parameters(), s)[0]
-    P = filters * np.exp(-s[0] * (0.5 + latency) * T_s) / (m_x * s[0] ** 2)
-    if omega_l_hz is not None:
-        P = P / (1 + 1j * f_c_hz / omega_l_hz)
+    filters = x_filters(gantry_x_filters.Parameters(), np.array([1j * omega_c]))[0]
+    P = filters * mass_behind(omega_c, m_x, omega_l_hz, (0.5 + latency) * T_s)
     margin = np.deg2rad(pm_deg)
     if lead_deg is not None:
         phase = np.mod(np.angle(P), -2 * np.pi)
         margin = np.pi + phase + np.deg2rad(pi_deg + lead_deg)
-    found = shape(complex(P), omega_c, float(margin), float(np.deg2rad(pi_deg)), leads)
+    found = shape(P, omega_c, float(margin), float(np.deg2rad(pi_deg)), leads)
     return {"K": found.K, "T_i": found.T_i, "T_d": found.T_d, "a": found.a}
 
 
@@ -124,19 +121,15 @@ def averaging(
     """
     filters = gantry_filters.Parameters()
     omega_c = 2 * np.pi * f_c_hz
-    s = np.array([1j * omega_c])
-    h = y_filters(filters, s)[0]
-    P = h * np.exp(-s[0] * (0.5 + latency) * T_s) / (m * s[0] ** 2)
-    if omega_l_hz is not None:
-        P = P / (1 + 1j * f_c_hz / omega_l_hz)
-    found = shape(complex(P), omega_c, float(np.deg2rad(pm_deg)))
+    h = y_filters(filters, np.array([1j * omega_c]))[0]
+    P = h * mass_behind(omega_c, m, omega_l_hz, (0.5 + latency) * T_s)
+    found = shape(P, omega_c, float(np.deg2rad(pm_deg)))
 
     plant = gantry.Parameters(m=m, m_x=m_x, L=L, J_0=J_0, d=d, c=c, k=k)
     now = gantry.geometry(0.0, plant)
     beta = damping_increase * c / (2 * now.a_1 * now.a_2)
     if effective:
-        yaw = np.array([1j * np.sqrt(k / now.J)])
-        beta = beta / abs(y_filters(filters, yaw)[0])
+        beta = beta / gain_at_yaw(plant)
     return {"K": found.K, "T_d": found.T_d, "a": found.a, "beta": float(beta)}
 
 
@@ -149,9 +142,24 @@ def added_damping(beta: float, p: gantry.Parameters | None = None) -> float:
     """
     p = gantry.Parameters() if p is None else p
     now = gantry.geometry(0.0, p)
-    yaw = np.array([1j * np.sqrt(p.k / now.J)])
-    gain = abs(y_filters(gantry_filters.Parameters(), yaw)[0])
-    return float(100 * 2 * beta * gain * now.a_1 * now.a_2 / p.c)
+    return float(100 * 2 * beta * gain_at_yaw(p) * now.a_1 * now.a_2 / p.c)
+
+
+def gain_at_yaw(p: gantry.Parameters) -> float:
+    """Return |h| of the filter pack at the yaw mode, table at x = 0."""
+    yaw = np.array([1j * np.sqrt(p.k / gantry.geometry(0.0, p).J)])
+    return float(np.abs(y_filters(gantry_filters.Parameters(), yaw)[0]))
+
+
+def mass_behind(
+    omega: float, m: float, omega_l_hz: float | None, delay: float
+) -> complex:
+    """Return the response at omega (rad/s) of a mass m behind lag and delay (s)."""
+    s = 1j * omega
+    P = np.exp(-s * delay) / (m * s**2)
+    if omega_l_hz is not None:
+        P = P / (1 + s / (2 * np.pi * omega_l_hz))
+    return complex(P)
 
 
 def pid(

@@ -20,7 +20,7 @@ from scipy import optimize
 
 from controllers import gantry_mimo, gantry_pid, gantry_x
 from controllers.synthesis import multivariable as mv
-from controllers.synthesis.frequency import Loop, battery
+from controllers.synthesis.frequency import ComplexArray, Loop, battery, evaluate
 from controllers.synthesis.frequency import poles as loop_poles
 from controllers.synthesis.frequency import respond as loop_respond
 from controllers.synthesis.gantry_continuous import mimo_law, pid_law, y_filters
@@ -142,7 +142,7 @@ def figures(
     return named(continuous_response(controller, x, parameters))
 
 
-def _fastest_growing(z: mv.ComplexArray, T_s: float) -> dict[str, float]:
+def _fastest_growing(z: ComplexArray, T_s: float) -> dict[str, float]:
     """Return frequency, damping and time constant of a growing pair, if any."""
     s = np.log(z[np.argmax(np.abs(z))]) / T_s
     if s.real <= 0 or s.imag == 0:
@@ -211,7 +211,7 @@ def sampled_loop(
     parameters: Mapping[str, float],
     latency: int = 1,
     T_s: float = 1 / 15_000,
-) -> mv.MultiLoop:
+) -> Loop:
     """Return the z-domain loop (u_1, u_2) → (y_1, y_2) with the table at x (m)."""
     plant, p = _parts(controller, x, parameters)
     model, _ = CONTROLLERS[controller]
@@ -223,7 +223,7 @@ def sampled_loop(
         outputs=["u_1", "u_2"],
         T_s=T_s,
     )
-    return mv.MultiLoop(plant.sample(T_s, "zoh"), without_bystanders(law), latency)
+    return Loop(plant.sample(T_s, "zoh"), without_bystanders(law), latency)
 
 
 def continuous_response(
@@ -236,7 +236,7 @@ def continuous_response(
     plant, p = _parts(controller, x, parameters)
     s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
     return mv.MultiResponse(
-        f_hz, mv.evaluate(plant, s), CONTROLLERS[controller][1](p, x, s)
+        f_hz, evaluate(plant, s), CONTROLLERS[controller][1](p, x, s)
     )
 
 

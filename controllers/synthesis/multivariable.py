@@ -2,6 +2,7 @@
 
     L = G K,   S = (I + L)⁻¹,   disturbance G_d = S G
 
+A loop here is a sampled plant u → y and controller y → u, without commands.
 Responses are arrays (n, outputs, inputs).  Crossovers are where the upper singular
 value of L passes 1, interpolated on logarithmic axes.  A sampled loop that is
 stable when opened has as many poles outside a circle as det(I + L) turns
@@ -9,38 +10,22 @@ clockwise about 0 along it.
 Source: Gordon 2010, sec. 4.4.2 (equation 4.21 and the definitions after it).
 """
 
-from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import control as ct
 import numpy as np
-from numpy.typing import NDArray
 
+from controllers.synthesis.frequency import (
+    ComplexArray,
+    Loop,
+    bands_between,
+    delayed,
+    evaluate,
+)
 from controllers.synthesis.linearise import without_bystanders
 from fmus.model import FloatArray
 
-ComplexArray: TypeAlias = NDArray[np.complex128]
-
 GRID_HZ: FloatArray = np.geomspace(1.0, 1500.0, 6000)
-
-
-@dataclass(frozen=True)
-class MultiLoop:
-    """Sampled plant u → y and controller y → u, and the whole samples u is late.
-
-    The feedback's sign is the controller's own.
-    """
-
-    plant: ct.StateSpace
-    controller: ct.StateSpace
-    latency: int = 0
-
-    def __post_init__(self) -> None:
-        if self.plant.dt != self.controller.dt:
-            raise ValueError(
-                f"plant has sample time {self.plant.dt}, controller "
-                f"{self.controller.dt}: sample the plant first"
-            )
 
 
 class MultiResponse(NamedTuple):
@@ -59,12 +44,7 @@ class MultiResponse(NamedTuple):
         return np.asarray(np.linalg.inv(np.eye(self.G.shape[1]) + self.L))
 
 
-def evaluate(system: ct.StateSpace, point: ComplexArray) -> ComplexArray:
-    """Return a system at complex points (n,) of its own plane, (n, rows, columns)."""
-    return np.asarray(np.moveaxis(system.horner(point, warn_infinite=False), -1, 0))
-
-
-def respond(loop: MultiLoop, f_hz: FloatArray = GRID_HZ) -> MultiResponse:
+def respond(loop: Loop, f_hz: FloatArray = GRID_HZ) -> MultiResponse:
     """Evaluate a sampled loop at the frequencies (n,)."""
     z = np.exp(2j * np.pi * np.asarray(f_hz) * loop.plant.dt)
     late = (z**-loop.latency)[:, None, None]
@@ -91,31 +71,17 @@ def crossings(f_hz: FloatArray, value: FloatArray, level: float = 1.0) -> FloatA
 
 def bands_below(f_hz: FloatArray, value: FloatArray) -> FloatArray:
     """Return the bands where a positive curve is below 1, (m, 2); from 0 at the end."""
-    edges = np.concatenate([f_hz[:1], crossings(f_hz, value), f_hz[-1:]])
-    middles = np.sqrt(edges[:-1] * edges[1:])
-    below = np.interp(middles, f_hz, value) < 1
-    bands: FloatArray = np.column_stack([edges[:-1], edges[1:]])[below]
-    bands[bands == f_hz[0]] = 0.0
-    return bands
+    return bands_between(f_hz, value, crossings(f_hz, value))
 
 
-def poles(loop: MultiLoop) -> ComplexArray:
+def poles(loop: Loop) -> ComplexArray:
     """Return the closed loop's eigenvalues in z, late samples included."""
-    controller = without_bystanders(loop.controller)
-    for _ in range(loop.latency):
-        controller = _one_sample(loop.controller.noutputs, loop.plant.dt) * controller
+    controller = delayed(without_bystanders(loop.controller), loop.latency)
     eigenvalues: ComplexArray = ct.feedback(loop.plant, controller, sign=1).poles()
     return eigenvalues
 
 
-def _one_sample(signals: int, T_s: float) -> ct.StateSpace:
-    eye, zero = np.eye(signals), np.zeros((signals, signals))
-    return ct.ss(zero, eye, eye, zero, T_s, remove_useless_states=False)
-
-
-def clockwise_turns(
-    loop: MultiLoop, radius: float = 1 + 2e-5, points: int = 20_000
-) -> int:
+def clockwise_turns(loop: Loop, radius: float = 1 + 2e-5, points: int = 20_000) -> int:
     """Return the clockwise turns of det(I + L) about 0 on the circle |z| = radius.
 
     They count the closed-loop poles outside it (the opened loop has none there).

@@ -10,6 +10,7 @@ Source: Maeda 2007, eq. 3-12 to 3-14; eq. 3-12 prints (z + 1) for (z - 1).
 """
 
 import numpy as np
+from scipy.optimize import bisect
 
 from controllers.synthesis.jury import is_stable
 from fmus.model import FloatArray
@@ -64,16 +65,14 @@ def linear_limit(
         return is_stable(closed_loop(alpha_T, omega_n_T, zeta, alpha_obj_T))
 
     zetas = np.geomspace(1e-2, HIGHEST, 400)
-    last = next((i for i in range(399, -1, -1) if stable(zetas[i])), None)
-    if last is None:
+    found = np.flatnonzero([stable(zeta) for zeta in zetas])
+    if not len(found):
         return 0.0
-    if last == 399:
+    last = found[-1]
+    if last == len(zetas) - 1:
         raise ValueError(f"stable up to ζ = {HIGHEST:g}")
-    low, high = float(zetas[last]), float(zetas[last + 1])
-    while high - low > 1e-12 * high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if stable(middle) else (low, middle)
-    return low
+    bracket = (zetas[last], zetas[last + 1])
+    return float(bisect(lambda zeta: 1 if stable(zeta) else -1, *bracket))
 
 
 def practical_limit(

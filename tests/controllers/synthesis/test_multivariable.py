@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from controllers.synthesis.frequency import Loop
 from controllers.synthesis.multivariable import (
-    MultiLoop,
     bands_below,
     clockwise_turns,
     crossings,
@@ -23,7 +23,7 @@ def loop(gains, latency=1):
     """Two integrators, each under a gain of its own."""
     plant = ct.ss(np.eye(2), T_s * np.eye(2), np.eye(2), 0, T_s)
     controller = ct.ss([], [], [], -np.diag(gains), T_s)
-    return MultiLoop(plant, controller, latency)
+    return Loop(plant, controller, latency)
 
 
 def test_decoupled_loops_have_the_singular_values_of_each():
@@ -52,7 +52,7 @@ def test_late_samples_are_poles_of_the_loop():
 def test_a_plant_that_was_not_sampled_is_refused():
     continuous = ct.ss(-np.eye(2), np.eye(2), np.eye(2), 0)
     with pytest.raises(ValueError, match="sample the plant first"):
-        MultiLoop(continuous, loop([1.0, 1.0]).controller)
+        Loop(continuous, loop([1.0, 1.0]).controller)
 
 
 def test_power_laws_cross_exactly_between_grid_points():
