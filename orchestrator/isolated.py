@@ -67,7 +67,7 @@ class IsolatedInstance:
         self._said: deque[LogMessage] = deque(maxlen=3)
         self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         self._channel: c.Channel | None = None
-        self._waiting = False
+        self._waiting = False  # for an answer through the pipe
         try:
             self._library: Any = c.library()
         except CompileError:
@@ -82,13 +82,9 @@ class IsolatedInstance:
         theirs.close()
         self._listener = Thread(target=self._listen, daemon=True)
         self._listener.start()
-        try:
-            self._answer("load")
-        except BaseException:
-            self.close()
-            raise
 
     def instantiate(self) -> None:
+        self._answer("load")  # not sooner, so that several children start at once
         self._ask("instantiate")
 
     def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:

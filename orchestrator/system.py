@@ -37,9 +37,9 @@ class Mapped:
 class Isolation:
     """Whether an FMU runs in a process of its own, and what it may take there.
 
-    ``process`` None means: if it needs an execution tool.  A process that does not
-    answer within ``answer_within`` seconds is killed; ``memory_limit`` (bytes) is
-    what it may take besides Python (not enforced on Windows and macOS).
+    ``process`` None means: if it is not ours or needs an execution tool.  A process
+    that does not answer within ``answer_within`` seconds is killed; ``memory_limit``
+    (bytes) is what it may take besides Python (not enforced on Windows and macOS).
     """
 
     process: bool | None = None

@@ -113,10 +113,10 @@ def command(misbehaves: Path, tmp_path: Path) -> Iterator[Command]:
     assert made.left() == []
 
 
-APART = 'isolation = "process"'
+APART, TOGETHER = 'isolation = "process"', 'isolation = "none"'
 
 
-@pytest.mark.parametrize("isolation", ["", APART])
+@pytest.mark.parametrize("isolation", [TOGETHER, APART])
 @pytest.mark.parametrize(
     ("mode", "said"),
     [
@@ -138,7 +138,7 @@ def test_what_an_fmu_reports_ends_the_run(
 @pytest.mark.parametrize(
     ("mode", "more", "said"),
     [
-        ("segfault", APART, "its process ended with signal 11 (SIGSEGV) during doStep"),
+        ("segfault", "", "its process ended with signal 11 (SIGSEGV) during doStep"),
         ("exit", APART, "its process ended with exit code 7 during doStep of 0.001 s"),
         ("hang", f'{APART}\nanswer_within = "1/2"', "no answer within 0.5 s"),
         (
@@ -157,7 +157,7 @@ def test_a_crash_of_an_isolated_fmu_ends_the_run_by_its_name(
     assert command.rows() == 51
 
 
-@pytest.mark.parametrize("isolation", ["", APART])
+@pytest.mark.parametrize("isolation", [TOGETHER, APART])
 def test_a_thread_that_an_fmu_leaves_does_not_hinder_the_end(
     command: Command, isolation: str
 ) -> None:
@@ -170,7 +170,7 @@ def test_a_thread_that_an_fmu_leaves_does_not_hinder_the_end(
 def test_a_crash_without_isolation_leaves_rows_and_a_folder_that_the_next_run_deletes(
     command: Command, mode: str, ended: int
 ) -> None:
-    code, _ = command.run(mode, at=60.0, stop=70.0, step="1/50000")
+    code, _ = command.run(mode, at=60, stop=70, step="1/50000", more=TOGETHER)
     assert code == ended
     assert 0 < command.rows() <= 60_001
     assert list(command.temporary.iterdir())
@@ -182,7 +182,7 @@ def test_an_fmu_for_other_platforms_is_refused_as_usage(
 ) -> None:
     foreign = pack("misbehaves", MISBEHAVES, tmp_path, host="win64")
     command = Command(foreign, tmp_path)
-    for more in ("", APART):
+    for more in (TOGETHER, APART):
         code, error = command.run("well", more=more)
         assert code == 2
         assert "has no binary for this machine (binaries/linux64/" in error
@@ -190,7 +190,7 @@ def test_an_fmu_for_other_platforms_is_refused_as_usage(
     assert command.left() == []
 
 
-@pytest.mark.parametrize("isolation", ["", APART])
+@pytest.mark.parametrize("isolation", [TOGETHER, APART])
 def test_ctrl_c_ends_the_run_with_130_and_keeps_the_rows(
     command: Command, isolation: str
 ) -> None:
@@ -224,7 +224,7 @@ def test_a_full_disk_ends_the_run_and_keeps_the_rows(command: Command) -> None:
     def limited() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000))
 
-    code, error = command.run("well", stop=100, preexec_fn=limited)
+    code, error = command.run("well", stop=100, more=TOGETHER, preexec_fn=limited)
     assert code == 1
     assert (
         "rows cannot be written ([Errno 27] File too large); free some space" in error
