@@ -48,7 +48,7 @@ class ClockedInstance(LocalInstance):
         self._pending: tuple[float, float] | None = None
 
     def _function(self, name: str, count: int) -> Any:
-        pointers = [ctypes.c_void_p] * count
+        pointers: list[Any] = [ctypes.c_void_p] * count
         if count == 4:
             pointers[2] = ctypes.c_size_t
         prototype = ctypes.CFUNCTYPE(ctypes.c_int, *pointers)

@@ -148,10 +148,8 @@ def test_the_clock_is_the_exact_period() -> None:
     (clock,) = (v for v in description.modelVariables if v.type == "Clock")
     root = etree.fromstring(read_member(fmu, "modelDescription.xml"))
     (element,) = root.iter("Clock")
-    counter, resolution = (
-        int(element.get(n)) for n in ("intervalCounter", "resolution")
-    )
-    assert Fraction(counter, resolution) == T
+    names = ("intervalCounter", "resolution")
+    assert Fraction(*(int(element.get(name)) for name in names)) == T
     assert element.get("intervalVariability") == "constant"
     assert description.coSimulation.hasEventMode
     assert read_fmu(fmu).clock == clock.valueReference

@@ -15,8 +15,9 @@ from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.result import Result
 from orchestrator.simulate import Choice, simulate
-from orchestrator.system import Component, Mapped, System
+from orchestrator.system import Component, Isolation, Mapped, System
 
+HERE = Isolation(process=False)  # in this process
 EXECUTORS: tuple[Choice, Choice] = ("python", "kernel")
 
 
@@ -30,8 +31,8 @@ def chain(fmu: Path, fmi: int, stop: str = "1/100", **parameters: float) -> Syst
     """Return a ring of two foreign FMUs through all their types."""
     step = Fraction(1, 1000)
     maps = {f"in_{TYPES[fmi][0]}": Mapped(f"in_{TYPES[fmi][0]}", -1.25, 3.0)}
-    one = Component("one", fmu, step, map=maps)
-    two = Component("two", fmu, step, parameters=parameters)
+    one = Component("one", fmu, step, map=maps, isolation=HERE)
+    two = Component("two", fmu, step, parameters=parameters, isolation=HERE)
     names = [*TYPES[fmi], *(["two"] if fmi == 3 else [])]
     wires = {f"two.in_{name}": f"one.out_{name}" for name in names}
     wires |= {f"one.in_{name}": f"two.out_{name}" for name in names}
@@ -105,8 +106,14 @@ def test_a_number_that_does_not_fit_an_integer_is_refused_alike(
     fmus: dict[int, Path], gain: float, when: str, tmp_path: Path
 ) -> None:
     step = Fraction(1, 1000)
-    one = Component("one", fmus[3], step, map={"in_Int8": Mapped("in_Int8", gain)})
-    two = Component("two", fmus[3], step)
+    one = Component(
+        "one",
+        fmus[3],
+        step,
+        map={"in_Int8": Mapped("in_Int8", gain)},
+        isolation=HERE,
+    )
+    two = Component("two", fmus[3], step, isolation=HERE)
     wires = {"two.in_Int8": "one.out_Int8", "one.in_Int8": "two.out_Int8"}
     given = system("1/10", [one, two], wires, {"one.out_Int8": "1/1000"})
     texts = []
