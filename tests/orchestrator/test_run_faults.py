@@ -1,7 +1,6 @@
 """After every fault a command ends with the right words and code, and cleans up."""
 
 import os
-import resource
 import shutil
 import signal
 import subprocess
@@ -16,6 +15,7 @@ from broken import MISBEHAVES, MODES, pack
 
 from orchestrator.result import Result
 
+resource = pytest.importorskip("resource")
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="looks for processes in /proc"
 )

@@ -20,6 +20,7 @@ MODES = (
     "memory",
     "abort",
     "hang_when_freed",
+    "equal_steps",
 )
 MISBEHAVES = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Misbehaves" guid="{0}">

@@ -1,5 +1,6 @@
 /* An FMI 2.0 co-simulation FMU that misbehaves in the way `mode` says, in the step
-   that begins at `at` or later (mode 11: when it is freed).  Until then y = u + t. */
+   that begins at `at` or later; HANG_WHEN_FREED when it is freed, WANT_EQUAL_STEPS in
+   a step that is not as long as the first.  Until then y = u + t. */
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@ enum { U, Y, AT, MODE };
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
 enum {
     WELL, SEGFAULT, HANG, RETURN_ERROR, RETURN_FATAL, RETURN_DISCARD, NOT_A_NUMBER,
-    EXIT, LEAVE_THREAD, TAKE_MEMORY, ABORT, HANG_WHEN_FREED
+    EXIT, LEAVE_THREAD, TAKE_MEMORY, ABORT, HANG_WHEN_FREED, WANT_EQUAL_STEPS
 };
 
 typedef void Logger(void *, const char *, int, const char *, const char *, ...);
@@ -24,7 +25,7 @@ typedef struct {
 } Callbacks;
 
 typedef struct {
-    double real[3];
+    double real[3], first;
     int mode;
     char name[64];
     Logger *logger;
@@ -113,6 +114,8 @@ ABSENT(fmi2GetStringStatus)
 EXPORT int fmi2DoStep(Instance *i, double t, double h, int no_set_state) {
     unsigned long thread;
     i->real[Y] = i->real[U] + t + h;
+    if (!i->first)
+        i->first = h;
     if (t < i->real[AT])
         return OK;
     switch (i->mode) {
@@ -135,6 +138,7 @@ EXPORT int fmi2DoStep(Instance *i, double t, double h, int no_set_state) {
         break;
     case TAKE_MEMORY: take_memory(); break;
     case ABORT: abort();
+    case WANT_EQUAL_STEPS: return h == i->first ? OK : DISCARD;
     default: break;
     }
     return OK;
