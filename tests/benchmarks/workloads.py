@@ -17,7 +17,7 @@ GROWTH = (2, 10, 50, 200)
 
 # steps of a timed run in which the C loop takes some tenths of a second
 STEPS = {"pair": 400_000, "drive": 200_000}
-STEPS |= {f"ring {n}": 800_000 // n for n in GROWTH}
+STEPS |= {f"ring {n}": 2_000_000 // n for n in GROWTH}
 
 
 def system(workload: str, steps: int) -> System:
