@@ -57,6 +57,12 @@ class IsolatedInstance:
         log: Callable[[str, LogMessage], None],
         isolation: Isolation,
     ) -> None:
+        if mp.current_process().daemon:
+            raise SimulationError(
+                f"{name} ({description.path.name}): this process is a daemon (of "
+                f"multiprocessing.Pool?) and may not start one for the FMU; use "
+                f"concurrent.futures.ProcessPoolExecutor, or isolation = 'none'"
+            )
         self.name, self.description = name, description
         self.clock = ctypes.c_double(0.0)
         self.inputs: list[Group] = []

@@ -204,3 +204,11 @@ print(len(simulate(system, Path({str(tmp_path)!r}))["bad.y"]))
     )
     assert done.stderr == ""
     assert done.stdout.split() == ["begun", "11"]
+
+
+def test_a_daemon_that_may_start_no_process_is_told_so(
+    misbehaves: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(mp.current_process()._config, "daemon", True)  # type: ignore[attr-defined]
+    with pytest.raises(SimulationError, match=r"^bad.*ProcessPoolExecutor"):
+        simulate(bad(misbehaves, "well"), tmp_path)
