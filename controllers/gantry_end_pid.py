@@ -42,7 +42,7 @@ def pid(e: Any, before: Any, e_i: Any, p: Parameters, T_s: Any) -> tuple[Any, An
 
 
 model = Sampled(
-    "GantryEndPid",
+    "GantryEndPID",
     step,
     State(),
     Input(),

@@ -77,7 +77,7 @@ def step(
 
 
 model = Sampled(
-    "GantryMimo",
+    "GantryMIMO",
     step,
     State(),
     Input(),

@@ -64,7 +64,7 @@ def step(
 
 
 model = Sampled(
-    "GantryPid",
+    "GantryPID",
     step,
     State(),
     Input(),

@@ -143,7 +143,7 @@ def step(
 
 
 model = Sampled(
-    "McPpc",
+    "MCPPC",
     step,
     State(),
     Input(),

@@ -40,7 +40,7 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
 
 
 model = Sampled(
-    "NctCompensator",
+    "NCTCompensator",
     step,
     State(),
     Input(),

@@ -56,7 +56,7 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
 
 
 model = Sampled(
-    "NctElement",
+    "NCTElement",
     step,
     State(),
     Input(),

@@ -80,7 +80,7 @@ def step(
 
 
 model = Sampled(
-    "Nctf",
+    "NCTF",
     step,
     State(),
     Input(),

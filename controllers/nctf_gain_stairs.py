@@ -62,7 +62,7 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
 
 
 model = Sampled(
-    "NctfGainStairs",
+    "NCTFGainStairs",
     step,
     State(),
     Input(),

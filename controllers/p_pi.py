@@ -117,7 +117,7 @@ def step(
 
 
 model = Sampled(
-    "PPi",
+    "PPI",
     step,
     State(),
     Input(),

@@ -46,7 +46,7 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
 
 
 model = Sampled(
-    "PiD",
+    "PI_D",
     step,
     State(),
     Input(),

@@ -1,6 +1,6 @@
-"""Second-order modes that a drive has besides its axial one.
+"""Modes and lags that a drive has besides its axial mode.
 
-q̈ + 2ζω q̇ + ω² q = f
+q̈ + 2ζω q̇ + ω² q = f,    ẏ = ω (u - y)
 """
 
 from typing import Any
