@@ -38,10 +38,6 @@ class Output(NamedTuple):
     y_2f: Annotated[float, Var("m", "pre-filtered command of the right end")]
 
 
-class Feedforward(NamedTuple):
-    on: Annotated[bool, Var("1", "inertia feed-forward acts")] = True
-
-
 class Common(NamedTuple):
     """Memories of the parts that all these controllers have."""
 

@@ -17,7 +17,6 @@ from controllers import (
     linear_prefilter,
     mass_feedforward,
 )
-from controllers._gantry import Feedforward
 from controllers._sections import LowPass
 from controllers.prefilter import Parameters as Gains
 from controllers.prefilter import prepare as prefilter_section
@@ -41,6 +40,10 @@ class Output(NamedTuple):
     u: Annotated[float, Var("V", "control signal")]
     u_ff: Annotated[float, Var("V", "feed-forward")]
     x_f: Annotated[float, Var("m", "pre-filtered command x_r'")]
+
+
+class Feedforward(NamedTuple):
+    on: Annotated[bool, Var("1", "inertia feed-forward acts")] = True
 
 
 class Parameters(NamedTuple):

@@ -21,7 +21,7 @@ import control as ct
 import numpy as np
 
 from controllers import mc_ppc, p_pi
-from controllers.synthesis.continuous import mc_ppc_law, p_pi_law
+from controllers.synthesis.ball_screw_continuous import mc_ppc_law, p_pi_law
 from controllers.synthesis.frequency import Battery, Loop, battery, poles, respond
 from controllers.synthesis.linearise import linearise, without_bystanders
 from controllers.synthesis.parameters import share, with_values
