@@ -5,9 +5,11 @@ time since the previous reading to the FMU (step, get, set) or to the master
 (exchange, latency lines, rows); the cost of the readings is taken off.
 """
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 
@@ -58,5 +60,8 @@ def peak_memory() -> int:
         return 0
     import resource
 
-    unit = 1 if sys.platform == "darwin" else 1024
-    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    status = Path("/proc/self/status")  # getrusage counts what ran before exec too
+    if status.is_file():
+        found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
+        return 1024 * int(found[1]) if found else 0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
