@@ -7,7 +7,7 @@ report, write rows, and be interrupted.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from ctypes import addressof, c_void_p, cast
+from ctypes import addressof, c_void_p, cast, sizeof
 from time import perf_counter
 from typing import Any
 
@@ -28,6 +28,7 @@ from orchestrator.timetable import Op, Program, Timetable
 from orchestrator.wiring import Part
 
 CHUNK_S = 0.05
+ARENA = 1 << 16  # bytes; what is used together lies together
 FIRST = 64  # instants in the first chunk
 
 Vector = NDArray[np.float64]
@@ -52,6 +53,7 @@ class Kernel:
         self._timetable, self._vector, self._tables = timetable, vector, tables
         self._instances = instances
         self._kept: list[Any] = []
+        self._arena, self._free = bytearray(), 0
         parts = timetable.wiring.parts
         self._parts = self._array(
             c.Part, [self._part(p, instances[name]) for name, p in parts.items()]
@@ -144,8 +146,13 @@ class Kernel:
 
     def _array(self, kind: Any, elements: Sequence[Any]) -> Any:
         """Return a C array that lives as long as this object, never empty."""
-        array = (kind * max(1, len(elements)))(*elements)
-        self._kept.append(array)
+        whole = kind * max(1, len(elements))
+        if self._free + sizeof(whole) > len(self._arena):
+            self._arena, self._free = bytearray(max(ARENA, sizeof(whole))), 0
+            self._kept.append(self._arena)
+        array = whole.from_buffer(self._arena, self._free)
+        self._free += -(-sizeof(whole) // 16) * 16
+        array[: len(elements)] = list(elements)
         return array
 
     def _part(self, part: Part, instance: Instance) -> c.Part:
