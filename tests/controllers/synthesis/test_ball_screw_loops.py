@@ -1,4 +1,4 @@
-"""The ball-screw loops against the dossier's figures and against its formulas."""
+"""The ball-screw loops against independent figures and closed formulas."""
 
 import numpy as np
 import pytest
@@ -116,7 +116,7 @@ def test_plant_poles_are_the_published_ones():
     assert found["real_pole"] == pytest.approx(0.07257, abs=5e-6)
 
 
-# key -> value and tolerance; the digits the dossier prints (section 7, issue 2)
+# key -> value and tolerance; digits of an independent computation
 MC_PPC = {
     "crossover_1": (100.77, 0.01),
     "rise_1": (120.75, 0.01),
@@ -196,7 +196,7 @@ P_PI_B = {
     [("mc_ppc", {}, MC_PPC), ("p_pi", SET_A, P_PI_A), ("p_pi", SET_B, P_PI_B)],
     ids=["mc_ppc", "p_pi_a", "p_pi_b"],
 )
-def test_figures_are_those_of_the_dossier(controller, gains, printed):
+def test_figures_are_those_computed_independently(controller, gains, printed):
     found = figures(controller, **gains)
     wrong = {
         key: (found.get(key), expected)
@@ -217,7 +217,7 @@ def test_without_filter_pack_the_second_crossover_is_at_171_hz():
     np.testing.assert_allclose(falling, [102.52, 170.94], atol=0.01)
 
 
-def test_the_slow_sampled_poles_map_back_to_those_of_the_dossier():
+def test_the_slow_sampled_poles_map_back_to_known_ones_in_s():
     z = poles(sampled_loop("mc_ppc", False, {}))
     s = np.log(z[np.abs(z) > 0.9]) / T_S
     for printed in (-250.7 + 168.1j, -127.3 + 844.5j, -875 + 420j):

@@ -1,4 +1,4 @@
-"""Matched discretisation against the coefficients printed in the dossier."""
+"""Matched discretisation against coefficients computed independently."""
 
 import numpy as np
 import pytest

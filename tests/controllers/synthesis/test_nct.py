@@ -136,7 +136,7 @@ def test_equation_3_12_as_printed_is_no_double_integrator_behind_a_lag() -> None
 @pytest.mark.parametrize(
     ("wT", "zeta"), [(0.02, 19.91), (0.1, 3.916), (0.2, 1.846), (0.32, 0.959)]
 )
-def test_the_linear_limits_are_those_of_the_dossier(wT: float, zeta: float) -> None:
+def test_the_linear_limits_are_those_computed_independently(wT: float, zeta: float) -> None:
     assert linear_limit(wT) == pytest.approx(zeta, rel=5e-3)
 
 
@@ -151,7 +151,7 @@ def test_the_practical_limit_is_ten_times_the_linear_one() -> None:
 
 
 def test_the_friction_free_mechanism_is_stable_up_to_a_gain_of_2_3() -> None:
-    """Linear P-only loop at no delay, the dossier's 2.30 A s/mm at 721 Hz."""
+    """Linear P-only loop at no delay, 2.30 A s/mm at 721 Hz."""
     p = leadscrew.Parameters(T_c=0.0)
     plant = linearise(leadscrew.model, parameters=p, inputs=["u"], outputs=["x"])
     keep = [i for i, n in enumerate(plant.state_labels) if n != "state.z"]

@@ -18,7 +18,7 @@ DRIVE = {
 
 
 def gains_by_equating_coefficients(m_1, m_2, b_1, b_2, k, c, poles):
-    """Solve the dossier's 5x5 system: s den(s) + feedback = m_1 m_2 Π(s - p_i)."""
+    """Solve the 5x5 system: s den(s) + feedback = m_1 m_2 Π(s - p_i)."""
     a_1 = m_1 * b_2 + m_2 * b_1 + (m_1 + m_2) * c
     a_2 = b_1 * b_2 + (b_1 + b_2) * c + (m_1 + m_2) * k
     a_3 = (b_1 + b_2) * k

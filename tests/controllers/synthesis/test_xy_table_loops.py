@@ -1,4 +1,4 @@
-"""The table's loops against the printed equations and the dossier's figures."""
+"""The table's loops against the printed equations and independent figures."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def test_the_traced_loops_are_the_printed_equations(fc_hz: float | None) -> None
         np.testing.assert_allclose(getattr(loops, name), expected, rtol=1e-11)
 
 
-def test_margins_and_popov_figures_are_the_dossiers() -> None:
+def test_margins_and_popov_figures_are_those_computed_independently() -> None:
     found = figures()
     expected = {
         "speed_gain_margin": (8.70, 0.01),
