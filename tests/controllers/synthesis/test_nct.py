@@ -136,7 +136,7 @@ def test_equation_3_12_as_printed_is_no_double_integrator_behind_a_lag() -> None
 @pytest.mark.parametrize(
     ("wT", "zeta"), [(0.02, 19.91), (0.1, 3.916), (0.2, 1.846), (0.32, 0.959)]
 )
-def test_the_linear_limits_are_those_computed_independently(wT: float, zeta: float) -> None:
+def test_the_linear_limits_are_known_ones(wT: float, zeta: float) -> None:
     assert linear_limit(wT) == pytest.approx(zeta, rel=5e-3)
 
 
