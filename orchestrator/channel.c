@@ -7,8 +7,9 @@
    not wait owns everything else in the Channel: inputs, then outputs.
 
    Waiting yields, then sleeps ever longer, so that several processes that share
-   a core get on (spinning first made them many times slower there).  The master stops waiting when
-   the process has ended, after `within` seconds, or when a signal arrives. */
+   a core get on (spinning first made them many times slower there).  The master
+   stops waiting when the process has ended, after `within` seconds, or when a
+   signal arrives. */
 
 #define _POSIX_C_SOURCE 199309L /* nanosleep, sched_yield */
 

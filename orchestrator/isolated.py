@@ -19,12 +19,11 @@ import queue
 import signal
 import sys
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Thread
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from orchestrator.fmu import FmuDescription, FmuVariable
 from orchestrator.group import Group
 from orchestrator.instance import LogMessage
 from orchestrator.isolated_child import CHANNEL, serve
+from orchestrator.spawn import spawn
 from orchestrator.system import Isolation
 
 REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
@@ -81,8 +81,8 @@ class IsolatedInstance:
         self._link = c.Link(within=isolation.answer_within)
         self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
         self._pipe, theirs = mp.get_context("spawn").Pipe()
-        self._child = _spawn(
-            *(theirs, name, description, folder, isolation.memory_limit),
+        self._child = spawn(
+            *(serve, theirs, name, description, folder, isolation.memory_limit),
             self._library is not None,
         )
         theirs.close()
@@ -335,36 +335,3 @@ class _Bundle(Group):
     def failure(self, verb: str, status: int) -> SimulationError:
         failed: SimulationError = self.instance.failed_step(0.0, status)
         return failed
-
-
-def _spawn(*arguments: Any) -> Any:
-    """Start the child so that it neither runs the caller's script nor sees Ctrl-C."""
-    with _without_main(), _without_interrupts():
-        context = mp.get_context("spawn")
-        child = context.Process(target=serve, args=arguments, daemon=True)
-        child.start()
-    return child
-
-
-@contextmanager
-def _without_main() -> Iterator[None]:
-    """Hide the caller's script, which a child would run again on import."""
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
-
-
-@contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Block SIGINT; a child inherits that until it can ignore the signal."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

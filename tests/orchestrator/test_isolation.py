@@ -41,7 +41,7 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[A
     temporary.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
     children: list[int] = []
-    spawn = isolated._spawn
+    spawn = isolated.spawn
 
     def noted(*arguments: Any) -> Any:
         child = spawn(*arguments)
@@ -55,7 +55,7 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[A
             return False
         return True
 
-    monkeypatch.setattr(isolated, "_spawn", noted)
+    monkeypatch.setattr(isolated, "spawn", noted)
     return lambda: [
         *mp.active_children(),
         *filter(alive, children),

@@ -1,0 +1,42 @@
+"""Starting a child process that has nothing of the caller's but its arguments."""
+
+import multiprocessing as mp
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
+
+
+def spawn(target: Callable[..., None], *arguments: Any) -> Any:
+    """Start a process that neither runs the caller's script nor sees Ctrl-C."""
+    with _without_main(), _without_interrupts():
+        context = mp.get_context("spawn")
+        child = context.Process(target=target, args=arguments, daemon=True)
+        child.start()
+    return child
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the caller's script, which a child would run again on import."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Block SIGINT; a child inherits that until it can ignore the signal."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
