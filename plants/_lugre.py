@@ -23,8 +23,10 @@ def slip(z: Any, omega: Any, T_c: Any, sigma_0: Any) -> Any:
     return np.where(T_c > 0, g, 0.0)
 
 
-def bristle(z: Any, omega: Any, h: Any, T_c: Any, sigma_0: Any) -> Any:
-    """Return z after h seconds at constant speed, exactly; stiff at any speed."""
-    z_ss = np.sign(omega) * T_c / sigma_0
-    rate = sigma_0 * np.abs(omega) / np.maximum(T_c, TINY)
-    return z_ss + (z - z_ss) * np.exp(-rate * h)
+def bristle(z: Any, turned: Any, T_c: Any, sigma_0: Any) -> Any:
+    """Return z after an angle (rad) turned one way: exact, at any speed and stiffness.
+
+    dz/dθ = 1 - σ_0 z sign(ω) / T_c holds no time.
+    """
+    z_ss = np.sign(turned) * T_c / sigma_0
+    return z_ss + (z - z_ss) * np.exp(-sigma_0 * np.abs(turned) / np.maximum(T_c, TINY))

@@ -14,8 +14,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from fmus.model import Continuous, Var
-from plants._lugre import bristle, slip
+from fmus.model import Continuous, Var, add
+from plants._lugre import TINY, bristle, slip
 
 
 class State(NamedTuple):
@@ -81,19 +81,37 @@ def derivative(x: State, u: Input, p: Parameters) -> State:
 
 
 def advance(x: State, u: Input, p: Parameters, h: float) -> State:
-    """Kick, drift, kick: second order, and the bristle exact at any speed."""
-    x = kicked(x, u, p, h / 2)
-    z = bristle(x.z, x.omega, h, p.T_c, p.sigma_0)
-    x = x._replace(theta=x.theta + h * x.omega, x=x.x + h * x.v, z=z)
-    return kicked(x, u, p, h / 2)
+    """Fourth order: one step up to the next kink of the equations, one from there."""
+    smooth = up_to_kink(x, u, p, h)
+    return along(along(x, u, p, smooth), u, p, h - smooth)
 
 
-def kicked(x: State, u: Input, p: Parameters, h: Any) -> State:
-    """Return the state with both speeds h later, all else held (midpoint rule)."""
-    a_1, a_2 = accelerations(x, u, p)
-    mid = x._replace(omega=x.omega + h / 2 * a_1, v=x.v + h / 2 * a_2)
-    a_1, a_2 = accelerations(mid, u, p)
-    return x._replace(omega=x.omega + h * a_1, v=x.v + h * a_2)
+def up_to_kink(x: State, u: Input, p: Parameters, h: float) -> Any:
+    """Return the part of h before the rotor reverses or meets the voltage limit."""
+    alpha, _ = accelerations(x, u, p)
+    alpha = np.where(alpha == 0, TINY, alpha)
+    drop = p.R * np.minimum(np.maximum(u.u, -p.i_max), p.i_max)
+    K_e = np.maximum(p.K_e, TINY)
+    part: Any = h
+    for kink in (0.0, (p.V - drop) / K_e, (-p.V - drop) / K_e):
+        t = (kink - x.omega) / alpha
+        part = np.where(t > 0, np.minimum(t, part), part)
+    return part
+
+
+def along(x: State, u: Input, p: Parameters, h: Any) -> State:
+    """Return the state h later by Runge-Kutta 4, z exact in the angle turned."""
+
+    def ahead(h: Any, k: State) -> State:
+        z = bristle(x.z, h * k.theta, p.T_c, p.sigma_0)
+        return add(x, [(h, k)])._replace(z=z)
+
+    k_1 = derivative(x, u, p)
+    k_2 = derivative(ahead(h / 2, k_1), u, p)
+    k_3 = derivative(ahead(h / 2, k_2), u, p)
+    k_4 = derivative(ahead(h, k_3), u, p)
+    stages = zip(k_1, k_2, k_3, k_4, strict=True)
+    return ahead(h, State(*((a + 2 * b + 2 * c + d) / 6 for a, b, c, d in stages)))
 
 
 def output(x: State, u: Input, p: Parameters) -> Output:
