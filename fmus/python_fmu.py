@@ -9,7 +9,7 @@ Python or links its library.
 """
 
 from hashlib import sha256
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 
 from fmus.closure import closure, files_digest, module_name
@@ -132,9 +132,11 @@ def _place(name: str, file: Path) -> str:
 
 
 def _pythonfmu() -> Path:
-    import pythonfmu
+    """Return the installed package's folder.
 
-    return Path(pythonfmu.__file__).parent
+    Not by import: a Python FMU loaded into this process brings modules of that name.
+    """
+    return Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
 
 
 def _pythonfmu_modules() -> list[Path]:

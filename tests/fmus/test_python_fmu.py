@@ -6,6 +6,7 @@ import sys
 import textwrap
 import zipfile
 from pathlib import Path
+from types import ModuleType
 
 import attrs
 import fmpy
@@ -25,6 +26,7 @@ from fmpy.validation import validate_fmu
 
 from fmus.build import build, load_model
 from fmus.closure import closure
+from fmus.python_fmu import python_binaries
 
 MODELS = Path(__file__).parent / "small_models"
 HELD = 8  # 0.4 ms of dead time in steps of 0.05 ms
@@ -354,3 +356,12 @@ def test_what_is_bundled_imports_numpy_only():
     }
     ours = {"fmus", "controllers", "plants", "pythonfmu", "numpy"}
     assert imported <= ours | set(sys.stdlib_module_names)
+
+
+def test_the_binary_is_that_of_the_installed_package_whatever_is_imported(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    bundled = ModuleType("pythonfmu")
+    bundled.__file__ = str(tmp_path / "resources" / "pythonfmu" / "__init__.py")
+    monkeypatch.setitem(sys.modules, "pythonfmu", bundled)
+    assert "binaries/linux64/SmallPI.so" in python_binaries("SmallPI")
