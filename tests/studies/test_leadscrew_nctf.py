@@ -223,6 +223,8 @@ def test_point_to_point_and_continuous_control_are_the_same_law_for_steps(
         ("step_cal", "reference.height=0.01", ("y.rise", "x.rise"), 1e-3),
         ("step_cal", "reference.height=0.01", ("y.settling", "x.settling"), T),
         ("circle_5mm", "", ("y.peak",), 1e-3),
+        ("circle_1um", "", ("x.peak", "y.peak", "radial.peak"), 1e-3),
+        ("circle_100nm", "", ("x.peak", "y.peak", "radial.peak"), 1e-3),
         # the heavy axis moves at the edge of stability: docs/studies
         ("circle_5mm", "", ("x.peak", "radial.peak"), 0.05),
     ],
