@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-all lint fmus pictures clean
+.PHONY: demo test test-all lint fmus bench pictures clean
 
 demo: $(READY)
 	$(BIN)/feeddrive demo
