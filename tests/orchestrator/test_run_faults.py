@@ -26,6 +26,11 @@ def misbehaves(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return pack("misbehaves", MISBEHAVES, tmp_path_factory.mktemp("broken"))
 
 
+def default_interrupt() -> None:
+    """Let SIGINT end the process as it does at a terminal."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Command:
     """``feeddrive run`` of a misbehaving FMU, with a temporary folder of its own."""
 
@@ -44,6 +49,8 @@ class Command:
         more: str = "",
         **options: Any,
     ) -> "subprocess.Popen[str]":
+        # a test run in the background inherits that Ctrl-C is ignored
+        options.setdefault("preexec_fn", default_interrupt)
         scenario = self.place / "scenario.toml"
         scenario.write_text(
             f"""
