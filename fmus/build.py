@@ -30,7 +30,7 @@ __all__ = ["BuildError", "FmuKind", "build", "cache_folder", "load_model"]
 FmuKind: TypeAlias = Literal["native", "python"]
 TOOLS: Mapping[FmuKind, tuple[str, ...]] = {
     "native": ("feeddrive-cosim", "casadi", "ziglang"),
-    "python": ("feeddrive-cosim", "casadi", "pythonfmu"),
+    "python": ("feeddrive-cosim", "casadi", "pythonfmu", "ziglang"),
 }
 
 
@@ -66,11 +66,11 @@ def build(
 
         chosen = _platforms(kind, wanted)
         subject = subject_of(module, period)
+        cache = cache_folder() / "libraries"
         if kind == "native":
-            cache = cache_folder() / "libraries"
             contents = native_contents(subject, fmi, chosen, cache)
         else:
-            contents = python_contents(subject, module)
+            contents = python_contents(subject, module, chosen, cache)
         fmu = _keep(contents, f"{subject.model.name}.fmu", place)
     if folder is None:
         return fmu
@@ -102,9 +102,9 @@ def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]
 
         known = tuple(PLATFORMS)
     else:
-        from fmus.python_fmu import PLATFORMS as FROM_PYTHONFMU
+        from fmus.python_fmu import PYTHON_PLATFORMS
 
-        known = FROM_PYTHONFMU
+        known = PYTHON_PLATFORMS
     if wanted is None and kind == "python":
         return known
     if wanted is None:

@@ -141,9 +141,15 @@ def compile_library(
 
 
 def compile_alone(
-    name: str, sources: Mapping[str, str], platform: str, cache: Path
+    name: str,
+    sources: Mapping[str, str],
+    platform: str,
+    cache: Path,
+    libraries: Sequence[str] = (),
 ) -> Path:
     """Compile C sources that need no adapters into a shared library.
+
+    ``libraries`` are those of the system it is linked to, such as "dl".
 
     Returns ``<cache>/<digest>/<name><suffix>``, made now or found there.
 
@@ -152,11 +158,12 @@ def compile_alone(
     """
     target = _target(platform)
     file = name + target.suffix
-    library = cache / _digest(target, sources, name) / file
+    linked = [f"-l{system}" for system in libraries]
+    library = cache / _digest(target, sources, name, *linked) / file
     if not library.exists():
         with _building(cache) as folder:
             _write(folder, sources)
-            inputs = source_names(sources)
+            inputs = source_names(sources) + linked
             _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", file, *inputs], folder)
             _publish([folder / file], library.parent)
     return library

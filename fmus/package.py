@@ -27,7 +27,12 @@ from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.model import Continuous, Model
 from fmus.native_source import adapter_sources, native_sources, source_names
-from fmus.python_fmu import external_dependencies, python_binaries, python_resources
+from fmus.python_fmu import (
+    external_dependencies,
+    gate_sources,
+    python_binaries,
+    python_resources,
+)
 from fmus.subject import Fmi, Subject
 from fmus.trace import trace
 from fmus.units import UnitError
@@ -92,16 +97,22 @@ def native_contents(
     return contents | _binaries(model.name, generated, fmi, platforms, cache)
 
 
-def python_contents(subject: Subject, module: str) -> dict[str, bytes]:
+def python_contents(
+    subject: Subject, module: str, platforms: Sequence[str], cache: Path
+) -> dict[str, bytes]:
     """Return the files of a Python FMU (FMI 2) by archive name.
 
     Raises:
-        BuildError: a value or unit of the model is refused.
+        BuildError: a value or unit of the model is refused, or C does not compile.
     """
     resources = python_resources(module, subject.model)
-    token = _token([_described(subject, 2, "")], resources)
+    gate = {name: text.encode() for name, text in gate_sources().items()}
+    token = _token([_described(subject, 2, "")], resources | gate)
     contents = _common(subject, 2, token) | resources
-    contents |= python_binaries(subject.model.name)
+    try:
+        contents |= python_binaries(subject.model.name, token, platforms, cache)
+    except CompileError as error:
+        raise BuildError(str(error)) from error
     contents["documentation/externalDependencies.txt"] = external_dependencies()
     return contents
 

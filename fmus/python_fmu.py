@@ -4,18 +4,24 @@ pythonfmu imports the slave module by its bare name into the host interpreter,
 where equal names shadow each other.  So the slave module is called
 ``<Model>_<digest>``, the import closure of the model travels along, is imported
 apart from whatever the host has under these names, and must be the bundled
-bytes.  The binary finds libpython in its host: the FMU needs a host that runs
-Python or links its library.
+bytes.  Importers load a small library of ours (``python_gate.c``) that refuses what
+pythonfmu's own would take or crash on, and passes the rest to it.  That one finds
+libpython in its host: the FMU needs a host that runs Python or links its library.
 """
 
+import re
+from collections.abc import Sequence
 from hashlib import sha256
 from importlib.metadata import distribution, version
 from pathlib import Path
 
 from fmus.closure import closure, files_digest, module_name
+from fmus.compile import PLATFORMS, compile_alone
 from fmus.model import Model, Sampled
+from fmus.native_source import adapter_sources
 
-PLATFORMS = ("linux-x86_64", "windows-x86_64")
+PYTHON_PLATFORMS = ("linux-x86_64", "windows-x86_64")
+GATE = Path(__file__).with_name("python_gate.c")
 EXTERNAL = """\
 This FMU runs Python source.  Its host must provide
 
@@ -24,8 +30,8 @@ This FMU runs Python source.  Its host must provide
 * NumPy {numpy} or newer, importable by that Python.
 
 pythonfmu {pythonfmu} and the model's own modules are inside, in resources/.
-Numba is neither needed nor imported.  The folder the FMU is unpacked in must have
-an ASCII path: pythonfmu's binary decodes no other.
+Numba is neither needed nor imported.  On Windows the folder the FMU is unpacked in
+must have an ASCII path: pythonfmu's binary reads no other there.
 """
 SLAVE = '''\
 """Python FMU of {module}."""
@@ -109,14 +115,35 @@ def python_resources(module: str, model: Model) -> dict[str, bytes]:
     return {f"resources/{path}": content for path, content in contents.items()}
 
 
-def python_binaries(identifier: str) -> dict[str, bytes]:
-    """Return pythonfmu's own binaries by archive name."""
-    folder = _pythonfmu() / "resources" / "binaries"
-    return {
-        f"binaries/{file.parent.name}/{identifier}{file.suffix}": file.read_bytes()
-        for file in sorted(folder.rglob("*"))
-        if file.suffix in (".so", ".dll", ".dylib")
-    }
+def gate_sources() -> dict[str, str]:
+    """Return the C of the library that importers load, without its token."""
+    adapters = adapter_sources()
+    headers = {n: adapters[n] for n in adapters if re.match(r"fmi2\w+\.h$", n)}
+    return headers | {GATE.name: GATE.read_text(encoding="utf-8")}
+
+
+def python_binaries(
+    identifier: str, token: str, platforms: Sequence[str], cache: Path
+) -> dict[str, bytes]:
+    """Return the gate and pythonfmu's own binary behind it, by archive name.
+
+    Raises:
+        CompileError: the compiler is missing or fails.
+    """
+    sources = gate_sources()
+    contents = {}
+    for name in platforms:
+        folder = PLATFORMS[name].fmi2_folder
+        [behind] = (_pythonfmu() / "resources" / "binaries" / folder).iterdir()
+        told = {"TOKEN": token, "LIBRARY": behind.name}
+        sources["token.h"] = "".join(
+            f'#define {macro} "{text}"\n' for macro, text in told.items()
+        )
+        libraries = ("dl",) if name.startswith("linux") else ()
+        gate = compile_alone(identifier, sources, name, cache, libraries)
+        for file in (gate, behind):
+            contents[f"binaries/{folder}/{file.name}"] = file.read_bytes()
+    return contents
 
 
 def external_dependencies() -> bytes:

@@ -10,7 +10,9 @@
        h more or less by turns), difference (h = t_next - t)
    native_host LIBRARY TOKEN churn N
        creates, steps and frees N instances; prints the growth of memory in
-       pages after the first tenth */
+       pages after the first tenth
+
+   The environment variable RESOURCES is the URI of the resources, if any. */
 #include "fmi2Functions.h"
 
 #include <dlfcn.h>
@@ -50,8 +52,8 @@ static void logger(fmi2ComponentEnvironment environment, fmi2String name,
 
 static fmi2Component start(const char *token) {
     static fmi2CallbackFunctions callbacks = {logger, NULL, NULL, NULL, NULL};
-    fmi2Component c = FIND(fmi2Instantiate)("host", fmi2CoSimulation, token, NULL,
-                                            &callbacks, 0, 1);
+    fmi2Component c = FIND(fmi2Instantiate)("host", fmi2CoSimulation, token,
+                                            getenv("RESOURCES"), &callbacks, 0, 1);
     if (!c)
         exit(1);
     check(FIND(fmi2SetupExperiment)(c, 0, 0, 0, 0, 0), "setup");

@@ -3,7 +3,6 @@
 The references are the model's own NumPy equations, integrated here.
 """
 
-import pkgutil
 import re
 from functools import cache, cached_property
 from importlib import import_module
@@ -18,10 +17,9 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
+from modules import EXCHANGED, MODULES
 from scipy.integrate import solve_ivp
 
-import controllers
-import plants
 from fmus.build import build
 from fmus.layout import layout
 from fmus.model import Continuous, leaves, pack, unpack
@@ -29,19 +27,7 @@ from fmus.trace import trace
 
 STEPS = 1000
 SAME = 1e-12
-MODULES = sorted(
-    f"{package.__name__}.{found.name}"
-    for package in (plants, controllers)
-    for found in pkgutil.iter_modules(package.__path__)
-    if not found.name.startswith("_") and not found.ispkg
-)
 REPRESENTATIVES = ("plants.ball_screw_drive", "controllers.mc_ppc", "plants.encoder")
-EXCHANGED = [
-    m
-    for m in MODULES
-    if isinstance(model := import_module(m).model, Continuous)
-    and not (model.advance or model.delay)
-]
 LIVELIEST = ("plants.ball_screw_drive", "plants.gantry_drive")
 PLATFORMS = (
     "linux-x86_64",

@@ -12,16 +12,9 @@ import attrs
 import fmpy
 import numpy as np
 import pytest
+from callbacks import collecting
 from fmpy import read_model_description
-from fmpy.fmi2 import (
-    FMU2Slave,
-    calloc,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    free,
-)
+from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from fmus.build import build, load_model
@@ -48,7 +41,7 @@ def slave(tmp_path):
             instanceName=name,
         )
         instance.messages = messages = []
-        instance.instantiate(callbacks=logger(messages), loggingOn=True)
+        instance.instantiate(callbacks=collecting(messages), loggingOn=True)
         instance.references = {
             v.name: v.valueReference for v in description.modelVariables
         }
@@ -58,19 +51,6 @@ def slave(tmp_path):
     yield open_fmu
     for instance in opened:
         instance.freeInstance()
-
-
-def logger(messages):
-    """Return FMI callbacks that collect the text of every message."""
-    callbacks = fmi2CallbackFunctions()
-
-    def keep(environment, instance, status, category, message):
-        messages.append(message.decode())
-
-    callbacks.logger = fmi2CallbackLoggerTYPE(keep)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    return callbacks
 
 
 def start(instance, **values):
@@ -320,7 +300,7 @@ def test_the_need_for_a_python_host_is_declared():
     assert read_model_description(str(fmu)).coSimulation.needsExecutionTool
     with zipfile.ZipFile(fmu) as archive:
         text = archive.read("documentation/externalDependencies.txt").decode()
-        library = archive.read("binaries/linux64/SmallPI.so")
+        library = archive.read("binaries/linux64/libpythonfmu-export.so")
     assert "Python 3.11" in text
     assert "NumPy" in text
     assert b"PyImport_ImportModule" in library
@@ -364,4 +344,8 @@ def test_the_binary_is_that_of_the_installed_package_whatever_is_imported(
     bundled = ModuleType("pythonfmu")
     bundled.__file__ = str(tmp_path / "resources" / "pythonfmu" / "__init__.py")
     monkeypatch.setitem(sys.modules, "pythonfmu", bundled)
-    assert "binaries/linux64/SmallPI.so" in python_binaries("SmallPI")
+    made = python_binaries("SmallPI", "{token}", ["linux-x86_64"], tmp_path)
+    assert made.keys() == {
+        "binaries/linux64/SmallPI.so",
+        "binaries/linux64/libpythonfmu-export.so",
+    }
