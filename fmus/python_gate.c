@@ -1,10 +1,14 @@
 /* The face of a Python FMU; pythonfmu's library stands behind it.
 
-   pythonfmu's own binary compares no token, takes an instance without a name, and
-   crashes where the host has no Python or the resource URI holds an escaped
-   character outside ASCII.  So importers load this library.  It looks at what
-   fmi2Instantiate is given, loads pythonfmu's library from beside itself, once more
-   for every instance, and hands all other calls on.
+   pythonfmu's own binary compares no token, takes an instance without a name, needs
+   the importer's memory functions, and crashes where the host has no Python or the
+   resource URI holds an escaped character outside ASCII.  It returns OK when the
+   Python code refuses something without an exception (an exception is Fatal), hands
+   messages to a printf as they are, and logs even if it must not.
+
+   So importers load this library.  It looks at what fmi2Instantiate is given, loads
+   pythonfmu's library from beside itself, once more for every instance, and hands
+   all other calls on.  A call during which an error is logged returns Error.
 
    token.h is generated: TOKEN, the guid, and LIBRARY, the file behind. */
 #define _GNU_SOURCE
@@ -30,8 +34,6 @@
 
 #define INNER ((Gate *)c)->inner
 #define FORWARDED(X)                                                                 \
-    X(SetDebugLogging, (fmi2Component c, fmi2Boolean on, size_t n,                   \
-      const fmi2String categories[]), (INNER, on, n, categories))                    \
     X(SetupExperiment, (fmi2Component c, fmi2Boolean tolerant, fmi2Real tolerance,   \
       fmi2Real start, fmi2Boolean ending, fmi2Real stop),                            \
       (INNER, tolerant, tolerance, start, ending, stop))                             \
@@ -90,7 +92,11 @@
 #define MEMBER(name, parameters, arguments) fmi2##name##TYPE *name;
 typedef struct {
     void *library;
-    fmi2Component inner; /* pythonfmu's */
+    fmi2Component inner;             /* pythonfmu's */
+    fmi2CallbackFunctions callbacks; /* for pythonfmu, back to this library */
+    fmi2CallbackLogger logger;       /* the importer's */
+    fmi2ComponentEnvironment environment;
+    int logging, refused;
     fmi2InstantiateTYPE *Instantiate;
     fmi2FreeInstanceTYPE *FreeInstance;
     FORWARDED(MEMBER)
@@ -98,7 +104,12 @@ typedef struct {
 
 #define FUNCTION(name, parameters, arguments)                                        \
     fmi2Status fmi2##name parameters {                                               \
-        return c ? ((Gate *)c)->name arguments : fmi2Error;                          \
+        Gate *gate = c;                                                              \
+        if (!gate)                                                                   \
+            return fmi2Error;                                                        \
+        gate->refused = 0;                                                           \
+        fmi2Status status = gate->name arguments;                                    \
+        return gate->refused && status < fmi2Error ? fmi2Error : status;             \
     }
 FORWARDED(FUNCTION)
 
@@ -111,19 +122,49 @@ const char *fmi2GetVersion(void) {
 }
 
 /* The importer's logger is a printf: a % in the text must be doubled. */
-static void refuse(const fmi2CallbackFunctions *functions, const char *name,
-                   const char *why, const char *detail) {
-    char plain[1024], doubled[2 * sizeof plain], *to = doubled;
-    if (!functions || !functions->logger)
+static void tell(const Gate *gate, const char *name, fmi2Status status,
+                 const char *category, const char *text) {
+    char *doubled = gate->logger ? malloc(2 * strlen(text) + 1) : NULL;
+    if (!doubled)
         return;
-    snprintf(plain, sizeof plain, "%s is not instantiated: %s%s",
-             name ? name : "", why, detail);
-    for (const char *from = plain; *from; *to++ = *from++)
+    char *to = doubled;
+    for (const char *from = text; *from; *to++ = *from++)
         if (*from == '%')
             *to++ = '%';
     *to = '\0';
-    functions->logger(functions->componentEnvironment, name ? name : "", fmi2Error,
-                      "logStatusError", doubled);
+    gate->logger(gate->environment, name, status, category, doubled);
+    free(doubled);
+}
+
+/* What pythonfmu logs: plain text, whatever the callback's type says. */
+static void hear(fmi2ComponentEnvironment environment, fmi2String name,
+                 fmi2Status status, fmi2String category, fmi2String text, ...) {
+    Gate *gate = environment;
+    if (status == fmi2Error || status == fmi2Fatal)
+        gate->refused = 1;
+    if (gate->logging)
+        tell(gate, name, status, category && *category ? category : "logStatusFatal",
+             text ? text : "");
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
+                               const fmi2String categories[]) {
+    int errors = n == 0; /* the only messages there are */
+    if (!c)
+        return fmi2Error;
+    for (size_t i = 0; i < n; i++)
+        errors = errors || strcmp(categories[i], "logAll") == 0 ||
+                 strcmp(categories[i], "logStatusError") == 0;
+    ((Gate *)c)->logging = on && errors;
+    return fmi2OK;
+}
+
+static void refuse(const Gate *gate, const char *name, const char *why,
+                   const char *detail) {
+    char text[1024];
+    name = name ? name : "";
+    snprintf(text, sizeof text, "%s is not instantiated: %s%s", name, why, detail);
+    tell(gate, name, fmi2Error, "logStatusError", text);
 }
 
 static int hex(char digit) {
@@ -250,7 +291,7 @@ void fmi2FreeInstance(fmi2Component c) {
     complete = complete && gate->name;
 
 /* Loads pythonfmu's library; returns whether it has all functions. */
-static int open_gate(Gate *gate, char *problem, size_t size) {
+static int open_library(Gate *gate, char *problem, size_t size) {
     int complete = 1;
     gate->library = open_beside(problem, size);
     if (!gate->library)
@@ -295,19 +336,28 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type kind, fmi2String token,
                               const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean logging) {
     char problem[512] = "";
+    Gate *gate = calloc(1, sizeof *gate);
+    if (!gate)
+        return NULL;
+    if (functions) {
+        gate->logger = functions->logger;
+        gate->environment = functions->componentEnvironment;
+    }
+    gate->callbacks = (fmi2CallbackFunctions){hear, calloc, free, NULL, gate};
+    gate->logging = 1; /* until there is an instance */
     char *resources = plain_uri(location);
     const char *why = objection(name, kind, token, resources);
-    Gate *gate = why ? NULL : calloc(1, sizeof *gate);
-    if (gate && open_gate(gate, problem, sizeof problem))
-        gate->inner = gate->Instantiate(name, kind, token, resources, functions,
-                                        visible, logging);
-    else if (gate)
+    if (!why && !open_library(gate, problem, sizeof problem))
         why = "pythonfmu's library cannot be loaded, which needs a host that runs "
               "Python (documentation/externalDependencies.txt): ";
     if (why)
-        refuse(functions, name, why, problem);
+        refuse(gate, name, why, problem);
+    else
+        gate->inner = gate->Instantiate(name, kind, token, resources,
+                                        &gate->callbacks, visible, logging);
+    gate->logging = logging;
     free(resources);
-    if (gate && gate->inner)
+    if (gate->inner)
         return gate;
     fmi2FreeInstance(gate);
     return NULL;

@@ -2,8 +2,9 @@
 
 pythonfmu 0.7 answers a Python exception with Fatal and releases the instance
 twice, which kills the host.  So nothing raises once the instance exists: what
-is refused is logged, changes nothing, and every later step is discarded until
-the instance is reset or set back to an earlier state.  This module and
+is refused changes nothing and is logged as an error, which the gate
+(``python_gate.c``) turns into the status Error.  After a step that failed half way
+the instance must be reset or set back to an earlier state.  This module and
 ``fmus.simulation`` are bundled into every Python FMU and import nothing but
 NumPy, pythonfmu and the model contract.
 """
@@ -33,7 +34,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         self.stepping = False
         self.time = 0.0
         self.stop_time = np.inf
-        self.refusal: str | None = None
+        self.failed = False
         variables = self.simulation.layout.variables
         self.owners = {r: v for v in variables for _, r in v.elements()}
 
@@ -53,17 +54,16 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             self.simulation.refresh()
             self.simulation.begin()
             self._check_finite()
-        self.stepping = True
+            self.stepping = True
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Step the model; the instance's clock follows the caller's.
-
-        Returns False (Discard) if this or something before was refused.
-        """
+        """Step the model; the instance's clock follows the caller's."""
         with self._refusing():
             self._check_step(current_time, step_size)
+            self.failed = True
             self.simulation.step(current_time, step_size)
             self._check_finite()
+            self.failed = False
             self.time = current_time + step_size
             return True
         return False
@@ -113,7 +113,6 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             self._refuse(str(error) or type(error).__name__)
 
     def _refuse(self, message: str) -> None:
-        self.refusal = message
         text = f"{self.instance_name} ({self.model.name}): {message}"
         self.log(text, Fmi2Status.error, "logStatusError")
 
@@ -148,8 +147,8 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             self.simulation.put(reference, value, block)
 
     def _check_step(self, t: float, h: float) -> None:
-        if self.refusal is not None:
-            raise ValueError(f"no step after a refusal: {self.refusal}")
+        if self.failed:
+            raise ValueError("no step after one that failed: reset the instance")
         if not self.stepping:
             raise ValueError("no step before initialization has ended")
         if not (h > 0 and np.isfinite(h)):
@@ -172,7 +171,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             "of": type(self).__module__,
             "stepping": self.stepping,
             "time": self.time,
-            "refusal": self.refusal,
+            "failed": self.failed,
         }
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
@@ -181,7 +180,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             return
         self.simulation.restore(state)
         self.stepping, self.time = state["stepping"], state["time"]
-        self.refusal = state["refusal"]
+        self.failed = state["failed"]
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """The Python FMU repeats the equations, and each known hazard is met."""
 
+import ctypes
 import re
 import subprocess
 import sys
@@ -160,17 +161,38 @@ def test_a_tunable_parameter_acts_in_the_next_step_through_prepare(slave):
         ({"state.q": 0.0}, "state.q cannot be set once stepping has begun"),
     ],
 )
-def test_what_may_not_be_set_changes_nothing_and_ends_the_run(slave, values, said):
+def test_what_may_not_be_set_is_an_error_that_changes_nothing(slave, values, said):
     fmu = start(slave(python_fmu("pi")), r=0.1)
     before = read(fmu, *fmu.references)
-    saved = fmu.getFMUstate()
-    put(fmu, **values)
-    np.testing.assert_equal(read(fmu, *fmu.references), before)
-    with pytest.raises(fmpy.fmi1.FMICallException):
-        fmu.doStep(0.0, 1 / 2000)
+    with pytest.raises(fmpy.fmi1.FMICallException, match="error"):
+        put(fmu, **values)
     assert any(f"instance (SmallPI): {said}" in message for message in fmu.messages)
-    fmu.setFMUstate(saved)
+    np.testing.assert_equal(read(fmu, *fmu.references), before)
     fmu.doStep(0.0, 1 / 2000)
+
+
+def test_a_variable_that_is_not_there_is_an_error(slave):
+    fmu = start(slave(python_fmu("pi")))
+    for call in (
+        lambda: fmu.getReal([10_000]),
+        lambda: fmu.getInteger([0]),
+        lambda: fmu.getString([0]),
+        lambda: fmu.getBoolean([fmu.references["r"]]),
+    ):
+        with pytest.raises(fmpy.fmi1.FMICallException, match="error"):
+            call()
+    assert any("no variable with reference 10000" in m for m in fmu.messages)
+    fmu.doStep(0.0, 1 / 2000)
+
+
+def test_without_logging_or_its_category_nothing_is_said(slave):
+    fmu = start(slave(python_fmu("pi")))
+    for on, categories in ((0, []), (1, [b"logStatusFatal"])):
+        texts = (ctypes.c_char_p * len(categories))(*categories)
+        fmu.fmi2SetDebugLogging(fmu.component, on, len(categories), texts)
+        with pytest.raises(fmpy.fmi1.FMICallException, match="error"):
+            fmu.getReal([10_000])
+    assert fmu.messages == []
 
 
 @pytest.mark.parametrize(
@@ -181,7 +203,7 @@ def test_what_may_not_be_set_changes_nothing_and_ends_the_run(slave, values, sai
         (1e-3, 1e-3, "stands at 0.0 s and cannot step from 0.001 s"),
     ],
 )
-def test_a_step_that_is_none_is_discarded_with_a_reason(slave, t, h, said):
+def test_a_step_that_is_none_is_an_error_with_a_reason(slave, t, h, said):
     fmu = start(slave(python_fmu("pi")))
     with pytest.raises(fmpy.fmi1.FMICallException):
         fmu.doStep(t, h)
@@ -199,10 +221,22 @@ def test_a_foreign_state_is_refused(slave):
     late = start(slave(python_fmu("late")))
     fmu = start(slave(python_fmu("pi")))
     for blob in (late.serializeFMUstate(late.getFMUstate()), b"no state at all"):
-        fmu.setFMUstate(fmu.deSerializeFMUstate(blob))
-        with pytest.raises(fmpy.fmi1.FMICallException):
-            fmu.doStep(0.0, 1 / 2000)
+        state = fmu.deSerializeFMUstate(blob)
+        with pytest.raises(fmpy.fmi1.FMICallException, match="error"):
+            fmu.setFMUstate(state)
     assert any("this is a state of Late" in message for message in fmu.messages)
+
+
+def test_after_a_failed_step_only_a_reset_or_an_earlier_state_helps(slave):
+    fmu = start(slave(python_fmu("spring_mass")))
+    saved = fmu.getFMUstate()
+    put(fmu, k=1e300, c=1e300)
+    for _ in range(2):
+        with np.errstate(all="ignore"), pytest.raises(fmpy.fmi1.FMICallException):
+            fmu.doStep(0.0, 1e-3)
+    assert "no step after one that failed" in fmu.messages[-1]
+    fmu.setFMUstate(saved)
+    fmu.doStep(0.0, 1e-3)
 
 
 def test_states_are_settable_before_stepping_begins(slave):

@@ -10,7 +10,7 @@ import fmpy
 import pytest
 from callbacks import collecting
 from fmpy import read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
 from fmus.build import build
 from fmus.compile import host_platform
@@ -101,6 +101,17 @@ def test_a_folder_that_pythonfmu_would_misread_is_refused(tmp_path: Path) -> Non
     unpacked = Unpacked(tmp_path / "a%20b")
     assert unpacked.instantiate() is None
     assert "%20" in unpacked.said[0].replace("%%", "%")
+
+
+def test_an_importer_need_not_give_callbacks(unpacked: Unpacked) -> None:
+    for callbacks in (fmi2CallbackFunctions(), None):
+        slave = unpacked.slave
+        texts = (text.encode() for text in ("one", unpacked.guid, unpacked.uri))
+        name, token, uri = texts
+        given = None if callbacks is None else ctypes.byref(callbacks)
+        one = slave.fmi2Instantiate(name, CO_SIMULATION, token, uri, given, 0, 1)
+        assert one
+        slave.fmi2FreeInstance(one)
 
 
 def test_a_host_without_python_is_told_so(
