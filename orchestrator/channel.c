@@ -6,24 +6,17 @@
    kernel's operations, and then sets `answered` to the same number.  Whoever does
    not wait owns everything else in the Channel: inputs, then outputs.
 
-   Waiting yields, then sleeps ever longer, so that several processes that share
-   a core get on (spinning first made them many times slower there).  The master
-   stops waiting when the process has ended, after `within` seconds, or when a
-   signal arrives. */
+   The master stops waiting when the process has ended, after `within` seconds, or
+   when a signal arrives. */
 
-#define _POSIX_C_SOURCE 199309L /* nanosleep, sched_yield */
+#include "turn.h"
 
-#include <errno.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
 #ifdef _WIN32
-#include <windows.h>
 #define EXPORT __declspec(dllexport)
 #else
-#include <sched.h>
-#include <time.h>
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
@@ -33,14 +26,11 @@ enum { SET, DO_STEP, GET, NOTHING };        /* what the FMU is doing */
 enum { STEPPING = 0, READING = 1, WRITING = 4 }; /* operations of kernel.c */
 
 typedef struct {
-    uint32_t asked;
-    char _1[60]; /* each counter in a cache line of its own */
-    uint32_t answered;
-    char _2[60];
+    Turn asked, answered;
     int32_t what, given, doing, failed;
     double t, h; /* s */
     int64_t steps;
-    char _3[24];
+    char _[24];
     double values[];
 } Channel;
 
@@ -50,58 +40,23 @@ typedef struct {
     double within; /* s */
     int32_t stale; /* outputs in the channel are not those of the FMU now */
     int32_t ended; /* the process is known to have ended */
+    Habits habits;
 } Link;
 
 double kernel_now(void);
 int kernel_one(void *kernel, int32_t code, double t, double h);
 
-static void yield(void) {
-#ifdef _WIN32
-    SwitchToThread();
-#else
-    sched_yield();
-#endif
-}
-
-/* Returns 0 when a signal arrived. */
-static int sleep_for(double seconds) {
-#ifdef _WIN32
-    Sleep((DWORD)(1e3 * seconds) + 1);
-    return 1;
-#else
-    struct timespec t = {0, (long)(1e9 * seconds)};
-    return nanosleep(&t, NULL) == 0 || errno != EINTR;
-#endif
-}
-
-static uint32_t load(const uint32_t *place) {
-    return __atomic_load_n(place, __ATOMIC_ACQUIRE);
-}
-
-static void store(uint32_t *place, uint32_t value) {
-    __atomic_store_n(place, value, __ATOMIC_RELEASE);
-}
-
-/* Waits until *place is (is_equal) or is not value; link is NULL in the process. */
-static int await(const uint32_t *place, uint32_t value, int is_equal,
-                 const Link *link) {
-    const double yielding = 2e-4, shortest = 2e-5, longest = 1e-3;
+static int await_answer(Link *link, uint32_t before) {
     for (double begun = kernel_now();;) {
-        int ended = link && __atomic_load_n(&link->ended, __ATOMIC_ACQUIRE);
-        if ((load(place) == value) == is_equal)
+        int ended = __atomic_load_n(&link->ended, __ATOMIC_ACQUIRE);
+        int how = turn_wait(&link->channel->answered, before, &link->habits);
+        if (how == CHANGED)
             return OK;
         if (ended)
             return ENDED;
-        double waited = kernel_now() - begun;
-        if (link && waited > link->within)
+        if (kernel_now() - begun > link->within)
             return LATE;
-        if (waited < yielding) {
-            yield();
-            continue;
-        }
-        double pause = waited / 16;
-        pause = pause < shortest ? shortest : pause > longest ? longest : pause;
-        if (!sleep_for(pause) && link)
+        if (how == SIGNALLED)
             return INTERRUPTED;
     }
 }
@@ -110,10 +65,10 @@ static int await(const uint32_t *place, uint32_t value, int is_equal,
    step; LEAVE lets channel_serve return, so that the process listens to its pipe. */
 EXPORT int channel_ask(Link *link, int what) {
     Channel *c = link->channel;
-    uint32_t number = c->asked + 1;
+    uint32_t before = turn_number(&c->answered);
     c->what = what;
-    store(&c->asked, number);
-    int how = await(&c->answered, number, 1, link);
+    turn_set(&c->asked, before + 1);
+    int how = await_answer(link, before);
     if (how != OK)
         return how;
     link->stale = 0;
@@ -170,13 +125,17 @@ static int carry_out(Channel *c, void *kernel) {
 /* Serve requests until one is to leave (returns 1) or fails (returns 0); then
    Python says why and calls channel_answer. */
 EXPORT int channel_serve(Channel *c, void *kernel) {
+    Habits habits = {{0, 0}, {0, 0}};
     for (;;) {
-        await(&c->asked, c->answered, 0, NULL);
+        uint32_t answered = turn_number(&c->answered);
+        while (turn_wait(&c->asked, answered, &habits) != CHANGED)
+            ;
+        int leaving = c->what == LEAVE; /* once answered, the channel is not ours */
         c->failed = 0;
-        if (c->what != LEAVE && !carry_out(c, kernel))
+        if (!leaving && !carry_out(c, kernel))
             return 0;
-        store(&c->answered, c->asked);
-        if (c->what == LEAVE)
+        turn_set(&c->answered, answered + 1);
+        if (leaving)
             return 1;
     }
 }
@@ -184,5 +143,5 @@ EXPORT int channel_serve(Channel *c, void *kernel) {
 /* Answer a request that failed. */
 EXPORT void channel_answer(Channel *c) {
     c->failed = 1;
-    store(&c->answered, c->asked);
+    turn_set(&c->answered, turn_number(&c->asked));
 }

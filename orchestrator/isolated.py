@@ -194,7 +194,7 @@ class IsolatedInstance:
 
     def _occupied(self) -> bool:
         channel = self._channel
-        busy = channel is not None and channel.asked != channel.answered
+        busy = channel is not None and channel.asked.number != channel.answered.number
         return self._waiting or busy
 
     def _kill(self) -> None:

@@ -13,7 +13,10 @@ from typing import Any, ClassVar
 from fmus.build import cache_folder
 from fmus.compile import compile_alone, host_platform
 
-SOURCES = [Path(__file__).with_name(name) for name in ("kernel.c", "channel.c")]
+SOURCES = [
+    Path(__file__).with_name(name)
+    for name in ("kernel.c", "channel.c", "turn.c", "turn.h")
+]
 CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
 FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick")
 DOING = ("set", "doStep", "get")  # of a channel
@@ -173,14 +176,22 @@ class Stretch(ctypes.Structure):
     ]
 
 
+class Turn(ctypes.Structure):
+    """A number that one process sets and another waits for."""
+
+    _fields_: ClassVar[Any] = [
+        ("number", c_uint32),
+        ("slept_on", c_uint32),
+        ("_", ctypes.c_char * 56),
+    ]
+
+
 class Channel(ctypes.Structure):
     """What a master and the process of an FMU share; the values follow it."""
 
     _fields_: ClassVar[Any] = [
-        ("asked", c_uint32),
-        ("_1", ctypes.c_char * 60),
-        ("answered", c_uint32),
-        ("_2", ctypes.c_char * 60),
+        ("asked", Turn),
+        ("answered", Turn),
         ("what", c_int32),
         ("given", c_int32),
         ("doing", c_int32),
@@ -188,7 +199,7 @@ class Channel(ctypes.Structure):
         ("t", c_double),
         ("h", c_double),
         ("steps", c_int64),
-        ("_3", ctypes.c_char * 24),
+        ("_", ctypes.c_char * 24),
     ]
 
 
@@ -202,6 +213,7 @@ class Link(ctypes.Structure):
         ("within", c_double),
         ("stale", c_int32),
         ("ended", c_int32),
+        ("habits", c_int32 * 4),
     ]
 
 

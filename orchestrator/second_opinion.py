@@ -92,7 +92,7 @@ def second_opinion(
         alike, added = _as_jacobi(written)
         here = simulate(written, folder / "written")
         ours = simulate(alike, folder / "alike")
-        job = _job(plan(alike).wiring)
+        job = peer_job(plan(alike).wiring)
         rows = len(next(iter(ours.values())))
         found = tuple(
             _opinion(PEERS[name], job, plan(alike).wiring, ours, here, folder / name)
@@ -188,7 +188,7 @@ def _inputs(wiring: Wiring) -> dict[int, tuple[str, FmuVariable]]:
     }
 
 
-def _job(wiring: Wiring) -> dict[str, Any]:
+def peer_job(wiring: Wiring) -> dict[str, Any]:
     """Return the system as ``peers/child.py`` wants it."""
     outputs, inputs, system = _outputs(wiring), _inputs(wiring), wiring.system
     period = next(iter(system.components.values())).period

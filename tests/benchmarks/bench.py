@@ -15,6 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from exactness import exactness
+from isolation import isolation
 from measure import RUNNERS, Run, measure
 from workloads import GROWTH, STEPS
 
@@ -46,6 +47,7 @@ def main() -> None:
         for name in ("pair", "drive"):
             lines += ["", f"## {TITLES[name]}", "", *rows(name, tables[name])]
         lines += ["", *growth(tables), "", *exactness(place / "exact")]
+    lines += ["", *isolation()]
     text = "\n".join(lines) + "\n"
     REPORT.write_text(text, encoding="utf-8")
     print(text)

@@ -11,7 +11,7 @@ from typing import Any
 
 from measure import carry_out
 
-from orchestrator.second_opinion import _job as job_of
+from orchestrator.second_opinion import peer_job
 from orchestrator.simulate import plan, simulate
 from orchestrator.system import Component, System
 
@@ -43,7 +43,7 @@ def exactness(folder: Path) -> list[str]:
     base = min(PERIODS.values())
     components = {n: Component(n, fmu, base) for n in PERIODS}
     rows = {f"{n}.{v}": base for n in PERIODS for v in ("steps", "length")}
-    one_rate: dict[str, Any] = job_of(
+    one_rate: dict[str, Any] = peer_job(
         plan(System("one rate", Fraction(1), components, {}, rows)).wiring
     )
     hints = {n: float(T) for n, T in PERIODS.items()}

@@ -16,7 +16,7 @@ from workloads import STEPS, system
 
 from fmus.compile import FLAGS
 from orchestrator.peers.environment import PEERS, install
-from orchestrator.second_opinion import _job as job_of
+from orchestrator.second_opinion import peer_job
 from orchestrator.simulate import plan
 from orchestrator.system import Component, System
 
@@ -84,7 +84,7 @@ def _contained(workload: str, steps: int, folder: Path) -> Path:
     """Return a C loop on the one FMU that FMUContainer makes of a system."""
     place = folder / f"container-{workload}-{steps}"
     place.mkdir(parents=True)
-    job = job_of(plan(system(workload, steps)).wiring) | {"folder": str(place)}
+    job = peer_job(plan(system(workload, steps)).wiring) | {"folder": str(place)}
     peer = PEERS["fmucontainer"]
     command = [str(install(peer)), str(PEER_FILES / "child.py")]
     subprocess.run(
@@ -106,7 +106,7 @@ def peer(name: str, file: str) -> Callable[[str, int, Path], Run]:
     def run(workload: str, steps: int, folder: Path) -> Run:
         given = system(workload, steps)
         components = {n: replace(c, latency=0) for n, c in given.components.items()}
-        job = job_of(plan(replace(given, components=components)).wiring)
+        job = peer_job(plan(replace(given, components=components)).wiring)
         return carry_out(name, file, job, folder)
 
     return run

@@ -17,7 +17,9 @@ from broken import MISBEHAVES, MODES, pack
 from systems import part, system
 
 from orchestrator import isolated
+from orchestrator.archive import unpacked
 from orchestrator.errors import SimulationError
+from orchestrator.fmu import read_fmu
 from orchestrator.result import Result
 from orchestrator.simulate import Choice, simulate
 from orchestrator.system import Component, Isolation, System
@@ -155,6 +157,26 @@ def test_isolated_components_give_the_bits_of_the_others(
     assert np.any(results[0])
     for other in results[1:]:
         np.testing.assert_array_equal(other, results[0])
+
+
+def test_requests_through_pipe_and_memory_never_overtake_each_other() -> None:
+    description = read_fmu(part("one", "counter", "1/1000").fmu)
+    count = description.variables["k"]
+    quick = Isolation(process=True, answer_within=10.0)
+    with unpacked(description.path) as folder:
+        one = isolated.IsolatedInstance("one", description, folder, print, quick)
+        try:
+            one.instantiate()
+            one.enter_initialization(0.0)
+            vector = np.zeros(1)
+            one.bind(vector, [], 0, [count], 0)
+            one.exit_initialization()
+            for k in range(1000):
+                one.step(k / 1000, 1 / 1000)
+                one.pull()
+                assert one.read([count]) == [vector[0]] == [float(k)]
+        finally:
+            one.close()
 
 
 def test_without_a_compiler_an_isolated_fmu_runs_all_the_same(
