@@ -6,7 +6,6 @@ the model nor a tool.  Files appear in it whole or not at all, so that several
 processes may build at once.
 """
 
-import os
 import platform as host
 import shutil
 import tempfile
@@ -17,15 +16,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-import platformdirs
-
+from fmus.cache import cache_folder
 from fmus.closure import files_digest, module_name
 from fmus.load import PACKAGE, BuildError, load_model, sources
 
 if TYPE_CHECKING:
     from fmus.subject import Fmi
 
-__all__ = ["BuildError", "FmuKind", "build", "cache_folder", "load_model"]
+__all__ = ["BuildError", "FmuKind", "build", "load_model"]
 
 FmuKind: TypeAlias = Literal["native", "python"]
 TOOLS: Mapping[FmuKind, tuple[str, ...]] = {
@@ -76,12 +74,6 @@ def build(
         return fmu
     folder.mkdir(parents=True, exist_ok=True)
     return Path(shutil.copyfile(fmu, folder / fmu.name))
-
-
-def cache_folder() -> Path:
-    """Return the folder of built FMUs and libraries."""
-    chosen = os.environ.get("FEEDDRIVE_CACHE")
-    return Path(chosen) if chosen else platformdirs.user_cache_path("feeddrive")
 
 
 def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:

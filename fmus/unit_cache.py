@@ -10,6 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TypeAlias
 
+from fmus.cache import cache_folder
+
 Entry: TypeAlias = tuple[dict[str, int], str, str]  # exponents, factor, offset
 
 
@@ -32,8 +34,6 @@ def add(name: str, entry: Entry) -> None:
 
 
 def _file() -> Path:
-    from fmus.build import cache_folder
-
     return cache_folder() / f"units-pint-{_pint()}.json"
 
 

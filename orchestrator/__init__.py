@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orchestrator.result import Result as Result
-    from orchestrator.scenario import load_scenario as load_scenario
+    from orchestrator.scenario.reading import load_scenario as load_scenario
     from orchestrator.session import run as run
     from orchestrator.system import System as System
 
 _PUBLIC = {
     "Result": "result",
     "System": "system",
-    "load_scenario": "scenario",
+    "load_scenario": "scenario.reading",
     "run": "session",
 }
 __all__ = ["Result", "System", "load_scenario", "run"]

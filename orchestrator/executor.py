@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.faults import Faults
-from orchestrator.instance import Instance
+from orchestrator.instances.instance import Instance
 from orchestrator.profile import Spent
 from orchestrator.timetable import Op, Program, Timetable
 from orchestrator.wiring import Copy, Part

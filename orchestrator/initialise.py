@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.instance import Instance
+from orchestrator.instances.instance import Instance
 from orchestrator.order import initial_order
 from orchestrator.wiring import Copy, Edge, Part, Wiring
 

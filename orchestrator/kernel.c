@@ -66,7 +66,7 @@ typedef struct {
     double gain, offset;
 } Copy;
 
-/* What ticks an FMU by its clock; see orchestrator/clocked.py. */
+/* What ticks an FMU by its clock; see orchestrator/instances/clocked.py. */
 typedef struct {
     Function *set_clock, *update, *enter_step, *enter_event;
     uint32_t reference;

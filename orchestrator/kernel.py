@@ -7,7 +7,7 @@ report, write rows, and be interrupted.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from ctypes import addressof, c_void_p, cast, sizeof
+from ctypes import addressof, c_void_p, sizeof
 from time import perf_counter
 from typing import Any
 
@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator import kernel_library as c
-from orchestrator.clocked import ClockedInstance
 from orchestrator.errors import SimulationError
 from orchestrator.executor import refusal
 from orchestrator.faults import Faults
-from orchestrator.group import Group
-from orchestrator.instance import Instance
+from orchestrator.instances.clocked import ClockedInstance
+from orchestrator.instances.group import group_table
+from orchestrator.instances.instance import Instance
 from orchestrator.profile import Spent
 from orchestrator.recorder import CHUNK, Table
 from orchestrator.schedule import Stretch
@@ -165,7 +165,7 @@ class Kernel:
         self._kept.append(line)
         return c.Part(
             instance=instance.slave.value,
-            do_step=address(instance.do_step),
+            do_step=c.address(instance.do_step),
             clock=addressof(instance.clock),
             inputs=addressof(self._array(c.Group, inputs)),
             n_inputs=len(inputs),
@@ -201,10 +201,10 @@ class Kernel:
         if not isinstance(instance, ClockedInstance):
             return None
         ticker = c.Ticker(
-            set_clock=address(instance.set_clock),
-            update=address(instance.update),
-            enter_step=address(instance.enter_step),
-            enter_event=address(instance.enter_event),
+            set_clock=c.address(instance.set_clock),
+            update=c.address(instance.update),
+            enter_step=c.address(instance.enter_step),
+            enter_event=c.address(instance.enter_event),
             reference=instance.clock_reference.value,
         )
         return addressof(self._array(c.Ticker, [ticker]))
@@ -249,27 +249,3 @@ class Kernel:
         if op.code == "fault" and not op.target:
             return c.Op(_CODES["fault"], len(targets))
         return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)
-
-
-def group_table(group: Group) -> c.Group:
-    """Return the kernel's view of a group, which must be kept alive."""
-    major = group.major
-    boolean = group.kind == "Boolean"
-    low, high = group.bounds()
-    return c.Group(
-        get=address(group.getter),
-        set=address(group.setter),
-        references=addressof(group.references),
-        n_references=len(group.references),
-        size=group.size,
-        values=group.place,
-        buffer=addressof(group.buffer),
-        low=low,
-        above=high + 1,
-        type=c.BOOLEANS[major] if boolean else c.TYPES.index(group.element),
-        major=major,
-    )
-
-
-def address(function: Any) -> int | None:
-    return cast(function, c_void_p).value

@@ -10,12 +10,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar
 
-from fmus.build import cache_folder
+from fmus.cache import cache_folder
 from fmus.compile import compile_alone, host_platform
 
 SOURCES = [
-    Path(__file__).with_name(name)
-    for name in ("kernel.c", "channel.c", "turn.c", "turn.h")
+    Path(__file__).parent / name
+    for name in (
+        "kernel.c",
+        "instances/channel.c",
+        "instances/turn.c",
+        "instances/turn.h",
+    )
 ]
 CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
 FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick")
@@ -243,3 +248,8 @@ def library() -> Any:
     loaded.channel_ask.argtypes = [c_void_p, c_int32]
     loaded.channel_step.argtypes = [c_void_p, c_double, c_double, c_int32]
     return loaded
+
+
+def address(function: Any) -> int | None:
+    """Return where a function begins; None for none."""
+    return ctypes.cast(function, c_void_p).value

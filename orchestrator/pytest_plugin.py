@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from orchestrator.compose import Composition
-    from orchestrator.scenario import Scenario
-    from orchestrator.session import Run
+    from orchestrator.outcome import Run
+    from orchestrator.scenario.compose import Composition
+    from orchestrator.scenario.reading import Scenario
     from orchestrator.stepper import Stepper
 
 LOCKS = ".lock.toml"
@@ -106,7 +106,7 @@ class ScenarioTest(pytest.Item):
 
 def unmet(done: "Run") -> str:
     """Return the expectations a run does not meet, one paragraph each, or nothing."""
-    from orchestrator.worst import worst_stretch
+    from orchestrator.evaluation.worst import worst_stretch
 
     spec = done.scenario.spec
     lines = []
@@ -177,7 +177,7 @@ def compose_scenario(request: pytest.FixtureRequest) -> "Callable[..., Compositi
     scenario as a dictionary; ``overrides`` are texts as for ``--set``, ``swaps``
     ``{"plant": {"fmu": "their.fmu", "map": {...}}}``.
     """
-    from orchestrator.compose import compose
+    from orchestrator.scenario.compose import compose
     from orchestrator.session import naming, run_earlier
 
     def composed(
@@ -219,7 +219,7 @@ def _scenario(
     overrides: Sequence[str],
     swaps: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> "Scenario":
-    from orchestrator.scenario import load_scenario, scenario_from
+    from orchestrator.scenario.reading import load_scenario, scenario_from
 
     if isinstance(scenario, Mapping):
         return scenario_from(scenario, test.with_suffix(".toml"), overrides, swaps)

@@ -8,73 +8,28 @@ step, so that a run that fails can be looked at and run again.
 import atexit
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fmus.units import UnitError
-from orchestrator.compose import Composition, compose
 from orchestrator.errors import FeedDriveError, ScenarioError
-from orchestrator.expectation import Check, check
-from orchestrator.lock import LOCK, write_lock
-from orchestrator.metrics import evaluate, refuse_unit
-from orchestrator.quantity import Quantity
-from orchestrator.result import Result
-from orchestrator.scenario import Scenario, load_scenario
+from orchestrator.evaluation.expectation import check
+from orchestrator.evaluation.metrics import evaluate, refuse_unit
+from orchestrator.outcome import Run
+from orchestrator.scenario.compose import Composition, compose
+from orchestrator.scenario.lock import LOCK, write_lock
+from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.temporary import temporary_folder
 
 if TYPE_CHECKING:
     from orchestrator.simulate import Choice
 
 Progress = Callable[[Fraction], None]
-
-
-class Run(Result):
-    """A finished run: recorded signals by name, and what was made of them.
-
-    ``metrics`` are the figures of the scenario, ``checks`` its expectations;
-    ``composition`` the system that ran, with its design results.
-    """
-
-    def __init__(
-        self,
-        result: Result,
-        composition: Composition,
-        metrics: Mapping[str, Quantity],
-        checks: list[Check],
-    ) -> None:
-        super().__init__(result.folder, result.timing)
-        self.composition = composition
-        self.metrics = metrics
-        self.checks = checks
-
-    @property
-    def scenario(self) -> Scenario:
-        return self.composition.scenario
-
-    def summary(self) -> dict[str, Any]:
-        """Return the object that ``run --json`` prints."""
-        timing = self.timing
-        return {
-            "scenario": self.scenario.name,
-            "stop": float(self.composition.system.stop),
-            "metrics": {
-                name: {"value": figure.value, "unit": figure.unit}
-                for name, figure in self.metrics.items()
-            },
-            "timing": timing
-            and {
-                "wall_s": timing.wall_s,
-                "real_time_factor": timing.real_time_factor,
-                "us_per_instant": timing.us_per_instant,
-            }
-            | ({"profile": timing.profile.as_json()} if timing.profile else {}),
-            "result": str(self.folder),
-        }
 
 
 def run(
@@ -134,7 +89,7 @@ def execute(
     summary = json.dumps(done.summary(), indent=2) + "\n"
     (folder / "metrics.json").write_text(summary, encoding="utf-8")
     if report:
-        from orchestrator.report import write_report
+        from orchestrator.report.page import write_report
 
         write_report([done], folder / "report.html")
     return done

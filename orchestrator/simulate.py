@@ -27,7 +27,8 @@ from orchestrator.errors import SimulationError
 from orchestrator.executor import Executor
 from orchestrator.fmu import FmuDescription, read_fmu
 from orchestrator.initialise import initialise
-from orchestrator.instance import Instance, LogMessage, load
+from orchestrator.instances.instance import Instance, LogMessage
+from orchestrator.instances.load import load
 from orchestrator.profile import Profile, Spent
 from orchestrator.recorder import Recorder
 from orchestrator.result import Result, Timing
@@ -161,7 +162,7 @@ def open_instance(
     folder = folders[fmu.path]
     instance: Instance
     if apart:
-        from orchestrator.isolated import IsolatedInstance
+        from orchestrator.instances.isolated import IsolatedInstance
 
         instance = IsolatedInstance(name, fmu, folder, _log, isolation)
     else:

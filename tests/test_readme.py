@@ -11,7 +11,7 @@ import pytest
 from systems import MODELS
 
 from fmus.build import build
-from orchestrator.scenario import load_scenario
+from orchestrator.scenario.reading import load_scenario
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()

@@ -11,7 +11,7 @@ from typing import Any
 
 from measure import carry_out
 
-from orchestrator.second_opinion import peer_job
+from orchestrator.peers.second_opinion import peer_job
 from orchestrator.simulate import plan, simulate
 from orchestrator.system import Component, System
 

@@ -16,7 +16,7 @@ from workloads import STEPS, system
 
 from fmus.compile import FLAGS
 from orchestrator.peers.environment import PEERS, install
-from orchestrator.second_opinion import peer_job
+from orchestrator.peers.second_opinion import peer_job
 from orchestrator.simulate import plan
 from orchestrator.system import Component, System
 

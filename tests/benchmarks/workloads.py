@@ -5,8 +5,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from fmus.build import build
-from orchestrator.compose import compose
-from orchestrator.scenario import load_scenario
+from orchestrator.scenario.compose import compose
+from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
 from orchestrator.system import Component, System
 

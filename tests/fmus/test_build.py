@@ -12,7 +12,8 @@ import pytest
 from fmpy import read_model_description
 
 from fmus.archive import content_digest
-from fmus.build import BuildError, build, cache_folder, load_model
+from fmus.build import BuildError, build, load_model
+from fmus.cache import cache_folder
 
 MODELS = Path(__file__).parent / "small_models"
 PI = str(MODELS / "pi.py")

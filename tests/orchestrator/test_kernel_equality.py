@@ -13,7 +13,7 @@ from systems import part
 
 from orchestrator.errors import SimulationError, WiringError
 from orchestrator.result import Result
-from orchestrator.scenario import load_scenario
+from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import compose, run_earlier
 from orchestrator.simulate import Choice, plan, simulate
 from orchestrator.system import Component, Mapped, System

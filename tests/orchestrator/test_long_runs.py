@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.compose import compose
 from orchestrator.profile import peak_memory
 from orchestrator.result import Result
-from orchestrator.scenario import load_scenario
+from orchestrator.scenario.compose import compose
+from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
 from orchestrator.simulate import simulate
 from orchestrator.system import System

@@ -9,9 +9,14 @@ import pytest
 
 import orchestrator
 from fmus.build import BuildError
-from orchestrator.compose import compose
 from orchestrator.errors import DesignError, FmuError, ScenarioError, WiringError
-from orchestrator.scenario import STUDIES, load_scenario, read_scenario, scenarios
+from orchestrator.scenario.compose import compose
+from orchestrator.scenario.reading import (
+    STUDIES,
+    load_scenario,
+    read_scenario,
+    scenarios,
+)
 from orchestrator.session import run, run_earlier
 
 DRIVE = """

@@ -19,8 +19,9 @@ from scipy.signal import lfilter
 from systems import part, system
 
 from fmus.build import build
-from orchestrator.scenario import load_scenario
-from orchestrator.session import Run, run
+from orchestrator.outcome import Run
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run
 from orchestrator.simulate import simulate
 
 STUDY = "ball_screw_pole_placement"

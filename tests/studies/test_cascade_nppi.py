@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from orchestrator.metrics import sine_fit
-from orchestrator.reproduce import reproduce
-from orchestrator.scenario import load_scenario
-from orchestrator.session import Run, run
+from orchestrator.evaluation.metrics import sine_fit
+from orchestrator.outcome import Run
+from orchestrator.reproduction.reproduce import reproduce
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run
 
 STUDY = "cascade_nppi"
 k_p, k_i, k_v, TAU = 0.006607, 0.12075, 225.0, 1.2e-3

@@ -10,7 +10,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from fmus.build import build
-from orchestrator.scenario import load_scenario
+from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
 T = 1 / 2000

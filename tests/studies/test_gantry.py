@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from controllers.synthesis import gantry_identification
-from orchestrator.reproduce import reproduce
-from orchestrator.scenario import load_scenario
-from orchestrator.session import Run, run
+from orchestrator.outcome import Run
+from orchestrator.reproduction.reproduce import reproduce
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run
 
 Co = Callable[..., Run]
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import zpk2tf
 
-from orchestrator.scenario import load_scenario
-from orchestrator.session import Run, run
+from orchestrator.outcome import Run
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run
 
 Array = NDArray[np.float64]
 T = 1 / 15_000

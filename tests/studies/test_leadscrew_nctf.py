@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from orchestrator.reproduce import reproduce
-from orchestrator.scenario import load_scenario
-from orchestrator.session import Run, run
+from orchestrator.outcome import Run
+from orchestrator.reproduction.reproduce import reproduce
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run
 
 STUDY = "leadscrew_nctf"
 T = 2e-4

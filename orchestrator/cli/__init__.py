@@ -1,0 +1,35 @@
+"""The command ``feeddrive``: verbs only, each a few lines on the Python API.
+
+Figures go to stdout (with ``--json`` one JSON object and nothing else), progress
+and logs to stderr.  Exit code 0 done, 1 a run or an expectation failed, 2 wrong
+usage or input, 130 interrupted; never a traceback.
+"""
+
+import typer
+
+from orchestrator.cli import check, fmus, run, second_opinion, study
+
+app = typer.Typer(
+    name="feeddrive",
+    help="Co-simulate feed drives and controllers from FMUs at exact mixed rates.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+)
+for verb in (
+    study.demo,
+    fmus.models,
+    fmus.build,
+    fmus.info,
+    check.check,
+    run.schedule,
+    run.run,
+    study.reproduce,
+    second_opinion.second_opinion,
+):
+    app.command()(verb)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()

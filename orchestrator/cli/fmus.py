@@ -1,0 +1,216 @@
+"""Verbs about models and FMU files: ``models``, ``build``, ``info``."""
+
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.quantity import parse_period, rate, time_text
+
+if TYPE_CHECKING:
+    from fmus.model import Model
+    from orchestrator.fmu import FmuDescription
+
+PACKAGES = ("plants", "controllers")
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+
+
+@command
+def models(json: Json = False) -> None:
+    """List the models there are, each a module that becomes an FMU."""
+    from fmus.build import load_model
+
+    found = [_model_facts(name, load_model(name)) for name in model_modules()]
+    if json:
+        print_json({"models": found})
+        return
+    rows = [
+        [
+            m["module"],
+            m["kind"],
+            rate(parse_period(m["period"])) if m["period"] else "",
+            m["description"],
+        ]
+        for m in found
+    ]
+    print_table(["module", "kind", "sample time", "description"], rows)
+
+
+def model_modules() -> Iterator[str]:
+    """Yield the dotted names of all public model modules."""
+    for package in PACKAGES:
+        path = importlib.import_module(package).__path__
+        for module in pkgutil.iter_modules(path):
+            if not module.ispkg and not module.name.startswith("_"):
+                yield f"{package}.{module.name}"
+
+
+def _model_facts(module: str, model: "Model") -> dict[str, Any]:
+    from fmus.model import Sampled
+
+    sampled = isinstance(model, Sampled)
+    source = importlib.import_module(module).__doc__ or ""
+    return {
+        "module": module,
+        "name": model.name,
+        "kind": "sampled" if sampled else "continuous",
+        "period": time_text(model.period) if isinstance(model, Sampled) else None,
+        "description": source.strip().partition("\n")[0].rstrip("."),
+    }
+
+
+@command
+def build(
+    modules: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MODULE]...", help="plants.x, controllers.y, model.py"),
+    ] = None,
+    all_: Annotated[bool, typer.Option("--all", help="build every model")] = False,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="folder of the FMUs")
+    ] = Path("dist/fmus"),
+    kind: Annotated[str, typer.Option(help="native or python")] = "native",
+    fmi: Annotated[
+        int | None, typer.Option(help="2 or 3 [2; with --all and native both]")
+    ] = None,
+    period: Annotated[
+        str | None, typer.Option(help='sample time of sampled models, e.g. "1/10000"')
+    ] = None,
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="all, or a platform (repeatable) [that of this machine]"),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Build FMUs of models and show their sizes and build times."""
+    from fmus.compile import PLATFORMS
+    from orchestrator.errors import ScenarioError
+
+    names = [*(modules or []), *(model_modules() if all_ else [])]
+    if not names:
+        raise ScenarioError("name the modules to build, or give --all")
+    versions = [fmi or 2] if fmi or kind != "native" or not all_ else [2, 3]
+    chosen = list(PLATFORMS) if platform == ["all"] else platform
+    built = []
+    for version in versions:
+        folder = output / f"fmi{version}" if len(versions) > 1 else output
+        for name in names:
+            with waiting(f"building {name} as FMI {version}"):
+                built.append(_build(name, folder, kind, version, period, chosen, all_))
+    if json:
+        print_json({"fmus": built})
+        return
+    rows = [
+        [
+            b["module"],
+            f"FMI {b['fmi']}",
+            f"{b['bytes'] / 1024:.0f} KiB",
+            f"{b['seconds']:.2f} s",
+            b["file"],
+        ]
+        for b in built
+    ]
+    print_table(["module", "form", ">size", ">time", "file"], rows)
+
+
+def _build(
+    module: str,
+    folder: Path,
+    kind: Any,
+    fmi: Any,
+    period: str | None,
+    platforms: list[str] | None,
+    skip_continuous: bool,
+) -> dict[str, Any]:
+    """Build one FMU; a period for all models is not meant for continuous ones."""
+    import fmus.build
+    from fmus.model import Sampled
+    from orchestrator.errors import ScenarioError
+
+    exact = None
+    if period is not None:
+        try:
+            exact = parse_period(period)
+        except ValueError as error:
+            raise ScenarioError(f"--period: {error}") from None
+        if skip_continuous and not isinstance(fmus.build.load_model(module), Sampled):
+            exact = None
+    begun = perf_counter()
+    try:
+        file = fmus.build.build(
+            module, kind=kind, fmi=fmi, period=exact, platforms=platforms, folder=folder
+        )
+    except fmus.build.BuildError as error:
+        raise ScenarioError(f"{module}: {error}") from None
+    return {
+        "module": module,
+        "kind": kind,
+        "fmi": fmi,
+        "file": str(file),
+        "bytes": file.stat().st_size,
+        "seconds": perf_counter() - begun,
+    }
+
+
+@command
+def info(
+    fmu: Annotated[str, typer.Argument(metavar="FMU", help="an .fmu file or a module")],
+    json: Json = False,
+) -> None:
+    """Show what an FMU says of itself: kind, platforms, variables with units."""
+    import fmus.build
+    from orchestrator.fmu import read_fmu
+
+    if fmu.endswith(".fmu"):
+        described = read_fmu(fmu)
+    else:
+        with waiting(f"building {fmu}"):
+            described = read_fmu(fmus.build.build(fmu))
+    facts = _facts(described)
+    if json:
+        print_json(facts)
+        return
+    variables = facts.pop("variables")
+    typer.echo(f"{facts.pop('name')}: {facts.pop('description')}")
+    for key, value in facts.items():
+        text = ", ".join(value) if isinstance(value, list) else str(value)
+        typer.echo(f"  {key.replace('_', ' '):14} {text}")
+    head = ("name", "causality", "variability", "unit", "start", "min", "max")
+    print_table(
+        [*head, "description"],
+        [[str(v[key] or "") for key in (*head, "description")] for v in variables],
+    )
+
+
+def _facts(d: "FmuDescription") -> dict[str, Any]:
+    interfaces = {"co-simulation": d.co_simulation, "model exchange": d.model_exchange}
+    return {
+        "name": d.model_name,
+        "description": d.description,
+        "file": str(d.path),
+        "fmi": d.fmi_major,
+        "interfaces": [name for name, there in interfaces.items() if there],
+        "kind": d.kind or "not stated",
+        "period": time_text(d.period) if d.period else "none",
+        "platforms": list(d.platforms),
+        "tool": d.tool,
+        "token": d.token,
+        "variables": [
+            {
+                "name": v.name,
+                "causality": v.causality,
+                "variability": v.variability,
+                "unit": v.unit,
+                "start": v.start,
+                "min": v.min,
+                "max": v.max,
+                "description": v.description,
+            }
+            for v in d.variables.values()
+        ],
+    }

@@ -1,0 +1,230 @@
+"""Verbs that run a scenario or show when it steps: ``run``, ``schedule``."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from enum import StrEnum
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from orchestrator.cli.output import (
+    command,
+    print_json,
+    print_table,
+    set_up_logs,
+    waiting,
+)
+from orchestrator.cli.running import load, simulate
+from orchestrator.cli.swap import compare, load_original, print_swap
+from orchestrator.quantity import rate, time_text
+
+if TYPE_CHECKING:
+    from orchestrator.ages import Plan
+    from orchestrator.outcome import Run
+    from orchestrator.profile import Profile
+
+
+class Executor(StrEnum):
+    """What carries out the steps; both give the same bits."""
+
+    KERNEL = "kernel"
+    PYTHON = "python"
+
+
+ScenarioName = Annotated[
+    str, typer.Argument(metavar="SCENARIO", help="<study>/<scenario>, or a .toml file")
+]
+Sets = Annotated[
+    list[str],
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="component.parameter, component.step, rates.name, stop, "
+        "design.step.argument ... (repeatable)",
+    ),
+]
+Swaps = Annotated[
+    list[str],
+    typer.Option(
+        "--swap",
+        metavar="COMPONENT=FMU",
+        help="put another FMU in the place of a component (repeatable)",
+    ),
+]
+Maps = Annotated[
+    list[str],
+    typer.Option(
+        "--map",
+        metavar="TOML",
+        help="names of the swapped FMU: a .toml file or inline "
+        "'u = {name = \"voltage\", gain = -1}'; one per --swap, in order",
+    ),
+]
+Fmi = Annotated[
+    int | None, typer.Option("--fmi", help="form in which our models are built: 2 or 3")
+]
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="show notes of the run")]
+
+
+@command
+def run(
+    scenario: ScenarioName,
+    sets: Sets = [],  # noqa: B006 - Typer copies it
+    swap: Swaps = [],  # noqa: B006
+    map: Maps = [],  # noqa: B006
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="folder of the run [runs/<scenario>]"),
+    ] = None,
+    fmi: Fmi = None,
+    executor: Annotated[
+        Executor | None,
+        typer.Option(help="what carries out the steps [kernel where it can]"),
+    ] = None,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="say where the time went")
+    ] = False,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """Co-simulate a scenario; print its figures and write its folder."""
+    set_up_logs(verbose)
+    loaded = load(scenario, sets, swap, map, fmi)
+    original = load_original(scenario, sets, swap, map, fmi) if swap else None
+    options = {"executor": executor and executor.value, "profile": profile}
+    done = simulate(loaded, output or Path("runs", loaded.name), **options)
+    before = compare(original, done, swap, **options) if original else None
+    if json:
+        told = {"original": before.summary()["metrics"]} if before else {}
+        print_json({**done.summary(), **told})
+    else:
+        print_run(done)
+        if before:
+            print_swap(before, done)
+    failed = [check.text for check in done.checks if not check.met]
+    if failed and not (sets or swap):  # a changed scenario may well differ
+        typer.echo("expectation not met: " + "; ".join(failed), err=True)
+        raise typer.Exit(1)
+
+
+@command
+def schedule(
+    scenario: ScenarioName,
+    sets: Sets = [],  # noqa: B006
+    swap: Swaps = [],  # noqa: B006
+    map: Maps = [],  # noqa: B006
+    fmi: Fmi = None,
+    json: Json = False,
+    verbose: Verbose = False,
+) -> None:
+    """Show who steps when and in which order, and every hold, delay and age."""
+    from orchestrator.ages import describe_schedule
+    from orchestrator.scenario.compose import compose
+    from orchestrator.session import naming, run_earlier
+
+    set_up_logs(verbose)
+    loaded = load(scenario, sets, swap, map, fmi)
+    with naming(loaded), waiting("building FMUs"):
+        plan = describe_schedule(compose(loaded, run_earlier).system)
+    if json:
+        print_json(_exact(asdict(plan)))
+    else:
+        print_plan(plan)
+
+
+def print_plan(plan: "Plan") -> None:
+    """Print the turns of the components and what happens to every signal."""
+    typer.echo(
+        f"{plan.name}: {plan.stop} s in instants of {plan.tick} s, pattern repeats "
+        f"every {plan.hyperperiod} s"
+    )
+    turns = [
+        (t.component, t.kind, rate(t.period), t.offset, t.latency, f"{t.steps:,}")
+        for t in plan.turns
+    ]
+    print_table(
+        ["component", "kind", "step", "offset", "latency", ">steps"],
+        [[str(cell) for cell in turn] for turn in turns],
+        "Who steps when",
+    )
+    typer.echo(f"order of the sampled components: {', '.join(plan.order) or 'none'}")
+    print_table(
+        ["source", "sink", "published", "read", ">youngest", ">oldest", "remark"],
+        [
+            [
+                a.source,
+                a.sink,
+                rate(a.published),
+                rate(a.read),
+                _us(a.youngest),
+                _us(a.oldest),
+                a.remark,
+            ]
+            for a in plan.ages
+        ],
+        "Age of every signal when it is taken",
+    )
+    for note in plan.notes:
+        typer.echo(f"note: {note}")
+
+
+def _us(seconds: Fraction) -> str:
+    return f"{float(seconds * 10**6):g} us"
+
+
+def _exact(value: Any) -> Any:
+    """Return a plan as JSON can hold it: fractions as exact text."""
+    if isinstance(value, Mapping):
+        return {key: _exact(v) for key, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_exact(v) for v in value]
+    return time_text(value) if isinstance(value, Fraction) else value
+
+
+def print_run(done: "Run") -> None:
+    """Print the figures of a run, its checks, its speed and its folder."""
+    checks = {check.figure: check for check in done.checks}
+    rows = []
+    for name, figure in done.metrics.items():
+        check = checks.get(name)
+        mark = ("not as expected: ", "as expected: ")[check.met] if check else ""
+        wanted = check.text.partition("expected ")[2] if check else ""
+        unit = "" if figure.unit == "1" else figure.unit
+        rows.append([name, f"{figure.value:.6g}", unit, mark + wanted])
+    title = done.scenario.spec.title or done.scenario.name
+    if rows:
+        print_table(["figure", ">value", "unit", "check"], rows, title)
+    if done.timing is not None:
+        typer.echo(
+            f"{float(done.composition.system.stop):g} s in {done.timing.wall_s:.3g} s, "
+            f"{done.timing.real_time_factor:.3g} x real time, "
+            f"{done.timing.us_per_instant:.3g} us per instant"
+        )
+    if done.timing is not None and done.timing.profile is not None:
+        print_profile(done.timing.profile)
+    typer.echo(f"written to {done.folder}: report.html, metrics.json, result/")
+
+
+def print_profile(profile: "Profile") -> None:
+    """Print where the time of a run went."""
+    spent = [(f"{n} (FMU)", s.seconds, s.steps) for n, s in profile.components.items()]
+    spent.append(("master: exchange, checks, rows", profile.master_s, 0))
+    spent.append(("files, progress, clock", profile.rest_s, 0))
+    whole = sum(seconds for _, seconds, _ in spent)
+    rows = [
+        [
+            name,
+            f"{seconds:.3g}",
+            f"{100 * seconds / whole:.1f}",
+            f"{steps:,}" if steps else "",
+            f"{1e6 * seconds / steps:.3g}" if steps else "",
+        ]
+        for name, seconds, steps in spent
+    ]
+    head = ["where", ">s", ">%", ">steps", ">us per step"]
+    print_table(head, rows, "Where the time went")
+    if profile.peak_bytes:
+        typer.echo(f"largest resident memory {profile.peak_bytes / 1e6:.0f} MB")

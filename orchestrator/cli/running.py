@@ -1,0 +1,33 @@
+"""What several verbs do with a scenario: load it as the options say, and run it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from orchestrator.cli.output import progress_bar, waiting
+
+if TYPE_CHECKING:
+    from orchestrator.outcome import Run
+    from orchestrator.scenario.reading import Scenario
+
+
+def load(
+    name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
+) -> "Scenario":
+    """Return the scenario that the options of a verb describe."""
+    from orchestrator.scenario.override import parse_swaps
+    from orchestrator.scenario.reading import load_scenario
+
+    overrides = [*sets, *([] if fmi is None else [f"fmi={fmi}"])]
+    return load_scenario(name, overrides, parse_swaps(swaps, maps))
+
+
+def simulate(scenario: "Scenario", folder: Path, **options: Any) -> "Run":
+    """Run a scenario with its progress on stderr."""
+    from orchestrator.scenario.compose import compose
+    from orchestrator.session import execute, naming, run_earlier
+
+    with naming(scenario):
+        with waiting(f"building the FMUs of {scenario.name}"):
+            composition = compose(scenario, run_earlier)
+        with progress_bar(scenario.name, composition.system.stop) as progress:
+            return execute(composition, folder, progress=progress, **options)

@@ -1,0 +1,132 @@
+"""Verbs on the published studies: ``demo``, ``reproduce``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from orchestrator.cli.output import (
+    command,
+    print_json,
+    print_table,
+    set_up_logs,
+    waiting,
+)
+from orchestrator.cli.run import Verbose
+from orchestrator.cli.running import simulate
+
+if TYPE_CHECKING:
+    from orchestrator.outcome import Run
+    from orchestrator.reproduction.reproduce import Figure
+
+STUDY = "ball_screw_pole_placement"
+COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
+
+
+@command
+def demo(verbose: Verbose = False) -> None:
+    """Co-simulate two published controllers of a ball-screw drive and compare them."""
+    from orchestrator.report.page import write_report
+    from orchestrator.scenario.reading import load_scenario
+
+    set_up_logs(verbose)
+    folder = Path("runs/demo")
+    runs = [
+        simulate(load_scenario(f"{STUDY}/{name}"), folder / name, report=False)
+        for name in COMPARED
+    ]
+    title = "Ball-screw drive: pole placement against P-PI cascade"
+    page = write_report(runs, folder / "report.html", title)
+    print_comparison(runs, title)
+    for done in runs:
+        if done.timing is not None:
+            typer.echo(
+                f"{done.scenario.name}: {done.timing.wall_s:.3g} s, "
+                f"{done.timing.real_time_factor:.3g} x real time, "
+                f"{done.timing.us_per_instant:.3g} us per instant"
+            )
+    typer.echo(f"report with all curves: {page}")
+
+
+def print_comparison(runs: "list[Run]", title: str) -> None:
+    """Print the common figures of two runs, and how much lower the second's are."""
+    from orchestrator.report.figure import names_of
+
+    first, second = runs
+    rows = []
+    for name, before in first.metrics.items():
+        after = second.metrics.get(name)
+        if after is None or name.endswith(".mean"):  # a mean is not to be lowered
+            continue
+        after = after.to(before.unit)
+        lower = 100 * (1 - after.value / before.value) if before.value else 0.0
+        reduction = f"{lower:z.1f} %" if abs(lower) < 1000 else ""
+        values = [f"{q.value:.4g}" for q in (before, after)]
+        rows.append([name, *values, before.unit, reduction])
+    head = ["figure", *(f">{name}" for name in names_of(runs)), "unit", ">reduction"]
+    print_table(head, rows, title)
+
+
+@command
+def reproduce(
+    study: Annotated[str, typer.Argument(metavar="STUDY", help="e.g. " + STUDY)],
+    only: Annotated[
+        str, typer.Option(metavar="PATTERN", help="only figures like 'mc_ppc.*'")
+    ] = "*",
+    json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    verbose: Verbose = False,
+) -> None:
+    """Run a study's scenarios through FMUs and compare with the published figures."""
+    from orchestrator.reproduction.reproduce import reproduce as reproduce_study
+
+    set_up_logs(verbose)
+    with waiting(f"reproducing {study}"):
+        figures = reproduce_study(
+            study, only, told=lambda name: typer.echo(f"ran {name}", err=True)
+        )
+    if json:
+        print_json({"study": study, "figures": [figure.row() for figure in figures]})
+    else:
+        print_figures(study, figures)
+    if failed := [f.spec.id for f in figures if f.verdict == "FAILED"]:
+        typer.echo(f"acceptance missed: {', '.join(failed)}", err=True)
+        raise typer.Exit(1)
+
+
+def print_figures(study: str, figures: "list[Figure]") -> None:
+    """Print published and own figures side by side, why they differ, and a count."""
+    rows = []
+    for f in figures:
+        spec, unit = f.spec, "" if f.spec.unit == "1" else f.spec.unit
+        published = "" if spec.published is None else _number(spec.published)
+        ours = "" if f.value is None else _number(f.value)
+        difference = ""
+        if f.difference is not None and isinstance(spec.published, float | int):
+            difference = f"{f.difference:+.3g}"
+            if spec.published:
+                difference += f" ({100 * f.difference / spec.published:+.1f} %)"
+        rows.append(
+            [
+                spec.id,
+                spec.where,
+                published,
+                ours,
+                unit,
+                difference,
+                spec.class_,
+                f.verdict,
+            ]
+        )
+    head = ("figure", "where", ">published", ">ours", "unit", ">difference", "class")
+    print_table([*head, "verdict"], rows, study)
+    for f in figures:
+        if f.spec.why:
+            typer.echo(f"  {f.spec.id}: {f.spec.why}")
+    counts: dict[str, int] = {}
+    for f in figures:
+        counts[f.verdict] = counts.get(f.verdict, 0) + 1
+    typer.echo(", ".join(f"{n} {verdict}" for verdict, n in counts.items()))
+
+
+def _number(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"

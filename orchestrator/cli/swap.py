@@ -1,0 +1,123 @@
+"""What ``run --swap`` adds to a run: a proposal where names differ, and A against B.
+
+The original runs in the subfolder ``original``; the report of the run overlays
+both.  A map is never applied without having been given.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from orchestrator.cli.output import print_table, waiting
+from orchestrator.cli.running import load, simulate
+
+if TYPE_CHECKING:
+    from orchestrator.outcome import Run
+    from orchestrator.scenario.compose import Composition
+    from orchestrator.scenario.reading import Scenario
+
+ORIGINAL = "original"
+
+
+def load_original(
+    name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
+) -> "Scenario":
+    """Return the scenario without the swaps and what is set on what was swapped.
+
+    Raises:
+        ScenarioError: a foreign FMU has other names and there is no map; the
+            message holds a proposal, as TOML.
+    """
+    from orchestrator.scenario.compose import compose
+    from orchestrator.scenario.override import parse_swaps
+    from orchestrator.session import naming, run_earlier
+
+    tables = parse_swaps(swaps, maps)
+    kept = [text for text in sets if text.partition(".")[0].strip() not in tables]
+    original = load(name, kept, [], [], fmi)
+    with naming(original), waiting("comparing names"):
+        _refuse_other_names(compose(original, run_earlier), tables)
+    return original
+
+
+def _refuse_other_names(
+    original: "Composition", swaps: Mapping[str, Mapping[str, Any]]
+) -> None:
+    from fmus.build import build
+    from orchestrator.errors import ScenarioError
+    from orchestrator.fmu import read_fmu
+    from orchestrator.scenario.propose import (
+        missing_names,
+        propose,
+        to_toml,
+        used_names,
+    )
+
+    for component, swap in swaps.items():
+        if "map" in swap:
+            continue
+        written = str(swap["fmu"])
+        theirs = read_fmu(written if written.endswith(".fmu") else build(written))
+        names = used_names(original.system, component)
+        if not (missing := missing_names(names, theirs)):
+            continue
+        found = to_toml(propose(missing, original.fmus[component], theirs))
+        raise ScenarioError(
+            f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
+            f"A map is proposed below and was not applied: check every line and the "
+            f"signs, save it as map.toml and add --map map.toml\n\n{found}"
+        )
+
+
+def compare(
+    original: "Scenario", swapped: "Run", swaps: list[str], **options: Any
+) -> "Run":
+    """Run the original too, overlay both in the report, and return its run."""
+    from orchestrator.report.page import write_report
+
+    first = simulate(original, swapped.folder / ORIGINAL, report=False, **options)
+    names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in _parts(swaps))
+    title = swapped.scenario.spec.title or swapped.scenario.name
+    with waiting("writing the report"):
+        runs = [_titled(first, ORIGINAL), _titled(swapped, names)]
+        write_report(runs, swapped.folder / "report.html", f"{title}: {names}")
+    return first
+
+
+def _parts(swaps: Sequence[str]) -> list[tuple[str, str, str]]:
+    return [text.partition("=") for text in swaps]
+
+
+def _titled(run: "Run", title: str) -> "Run":
+    from orchestrator.outcome import Run
+
+    spec = run.scenario.spec.model_copy(update={"title": title})
+    scenario = replace(run.scenario, spec=spec)
+    return Run(
+        run, replace(run.composition, scenario=scenario), run.metrics, run.checks
+    )
+
+
+def print_swap(first: "Run", second: "Run") -> None:
+    """Print the figures of the original and of the swapped run side by side."""
+    rows = []
+    for name, before in first.metrics.items():
+        after = second.metrics.get(name)
+        if after is None:
+            continue
+        after = after.to(before.unit)
+        difference = after.value - before.value
+        share = f"{100 * difference / before.value:+z.2f} %" if before.value else ""
+        rows.append(
+            [
+                name,
+                f"{before.value:.6g}",
+                f"{after.value:.6g}",
+                f"{difference:+.3g}",
+                "" if before.unit == "1" else before.unit,
+                share,
+            ]
+        )
+    head = ["figure", f">{ORIGINAL}", ">swapped", ">difference", "unit", ">change"]
+    print_table(head, rows, "Original against swapped")

@@ -1,0 +1,270 @@
+"""Figures of a recorded run, with their units.
+
+Signals are compared row by row at equal times; signals recorded at different
+times are refused, never interpolated.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.units import UnitError
+from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.evaluation.motion import (
+    contour_error,
+    onset,
+    step_response,
+    sustained,
+)
+from orchestrator.evaluation.schema import (
+    ContourMetric,
+    ErrorMetric,
+    Factor,
+    MetricSpec,
+    OnsetMetric,
+    PlainMetric,
+    SettlingMetric,
+    SineMetric,
+    SpectrumMetric,
+    StepMetric,
+    SustainedMetric,
+)
+from orchestrator.quantity import (
+    Quantity,
+    converter,
+    parse_quantity,
+    product_unit,
+    quotient_unit,
+)
+from orchestrator.result import Signal
+
+Array: TypeAlias = NDArray[np.float64]
+Parameters: TypeAlias = Callable[[str], Quantity]
+
+
+def evaluate(
+    specs: Mapping[str, MetricSpec],
+    signals: Mapping[str, Signal],
+    parameter: Parameters,
+) -> dict[str, Quantity]:
+    """Return all figures ``<metric>.<figure>`` of a run.
+
+    ``parameter`` returns the value and unit of a ``component.parameter``.
+
+    Raises:
+        ScenarioError: a signal is not recorded, grids or units do not fit, a
+            window holds no row.
+    """
+    figures = {}
+    for name, spec in specs.items():
+        try:
+            for key, value in _figures(spec, signals, parameter).items():
+                figures[f"{name}.{key}"] = value
+        except (ScenarioError, UnitError) as error:
+            raise ScenarioError(f"metrics.{name}: {error}") from None
+    return figures
+
+
+def scaled(
+    spec: MetricSpec, signal: Signal, parameter: Parameters, to_unit: str | None
+) -> tuple[Array, str]:
+    """Return a signal's values (n,) with a metric's factors in a unit, and that unit.
+
+    Without ``to_unit`` the unit is that of signal * scale / per.
+    """
+    total = _factors(spec, signal.unit, parameter)
+    values = signal.values * total.value
+    if to_unit is not None and to_unit != total.unit:
+        values = converter(total.unit, to_unit)(values)
+    return values, to_unit or total.unit
+
+
+def refuse_unit(spec: MetricSpec, unit: str, parameter: Parameters) -> None:
+    """Refuse a metric of a signal in ``unit`` whose own unit does not fit.
+
+    Raises:
+        ScenarioError, fmus.units.UnitError: a factor is missing or zero, or the
+            dimensions differ.
+    """
+    total = _factors(spec, unit, parameter)
+    if not (isinstance(spec, SineMetric) and spec.against):
+        total.to(spec.unit)
+
+
+def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
+    """Return scale / per, in the unit that a signal in ``unit`` takes by it."""
+    scale, per = (factor(f, parameter) for f in (spec.scale, spec.per))
+    if per.value == 0:
+        raise ScenarioError(f"per: {spec.per} is zero")
+    unit = quotient_unit(product_unit(unit, scale.unit), per.unit)
+    return Quantity(scale.value / per.value, unit)
+
+
+def factor(written: Factor, parameter: Parameters) -> Quantity:
+    """Return a factor given as number, number with unit or ``component.parameter``."""
+    if not isinstance(written, str):
+        return Quantity(written)
+    if written[:1].isalpha() or written.startswith("_"):
+        return parameter(written)
+    try:
+        return parse_quantity(written)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from None
+
+
+def _figures(
+    spec: MetricSpec, signals: Mapping[str, Signal], parameter: Parameters
+) -> dict[str, Quantity]:
+    taken = {key: _recorded(name, signals) for key, name in spec.signals().items()}
+    of = taken["of"]
+    rows = _rows(spec, of)
+    time = of.time[rows]
+    own = None if isinstance(spec, SineMetric) and spec.against else spec.unit
+    values, unit = scaled(spec, of, parameter, own)
+    y = values[rows]
+    if isinstance(spec, ErrorMetric):
+        against = _beside(of, taken["against"])
+        reference, _ = scaled(spec, against, parameter, unit)
+        return _of_error(reference[rows] - y, unit)
+    if isinstance(spec, PlainMetric):
+        return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
+    if isinstance(spec, SettlingMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        return settling(time - start, y - spec.final, spec.band, unit)
+    if isinstance(spec, StepMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        height = _in_unit(factor(spec.height, parameter), unit)
+        return step_response(time - start, y, height, spec.band, unit)
+    if isinstance(spec, ContourMetric):
+        across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
+        size = _in_unit(factor(spec.size, parameter), unit)
+        outside = contour_error(y, across[rows], spec.shape, size)
+        kinds = ("peak", "rms", "max", "min")
+        return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
+    if isinstance(spec, SustainedMetric):
+        start = float(spec.window[0]) if spec.window else 0.0
+        level = _beside(of, taken["level"])
+        times = float(spec.dwell), float(spec.tail)
+        found = sustained(time - start, y, level.values[rows], *times, spec.span)
+        return {"level": Quantity(found, level.unit)}
+    if isinstance(spec, OnsetMetric):
+        ramp = _beside(of, taken["ramp"])
+        return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
+    frequency = factor(spec.frequency_hz, parameter)
+    hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
+    if isinstance(spec, SpectrumMetric):
+        return spectrum_line(time, y, hertz, unit)
+    amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
+    if "against" not in taken:
+        return {"amplitude": amplitude, "phase": _phase(c)}
+    against = _beside(of, taken["against"])
+    base = sine_fit(time, against.values[rows], hertz)
+    if base == 0:
+        raise ScenarioError(f"{against.name} has no component at {hertz:g} Hz")
+    ratio = Quantity(abs(c / base), quotient_unit(unit, against.unit))
+    return {"ratio": ratio.to(spec.unit), "phase": _phase(c / base)}
+
+
+_PLAIN: dict[str, Callable[[Array], float]] = {
+    "peak": lambda y: float(np.max(np.abs(y))),
+    "rms": lambda y: float(np.sqrt(np.mean(y**2))),
+    "mean": lambda y: float(np.mean(y)),
+    "max": lambda y: float(np.max(y)),
+    "min": lambda y: float(np.min(y)),
+    "final": lambda y: float(y[-1]),
+    "span": lambda y: float(np.ptp(y)),
+}
+
+
+def _in_unit(quantity: Quantity, unit: str) -> float:
+    """Return the value of a quantity in a unit; a plain number is in it already."""
+    return quantity.value if quantity.unit == "1" else quantity.to(unit).value
+
+
+def _of_error(e: Array, unit: str) -> dict[str, Quantity]:
+    kinds = ("peak", "rms", "mean")
+    return {kind: Quantity(_PLAIN[kind](e), unit) for kind in kinds}
+
+
+def settling(time: Array, y: Array, band: float, unit: str) -> dict[str, Quantity]:
+    """Return peak, its time, and the first time after which |y| <= band * peak.
+
+    ``time`` (n,) in s and ``y`` (n,), zero when settled.
+
+    Raises:
+        ScenarioError: y is still outside the band in the last row.
+    """
+    size = np.abs(y)
+    top = int(np.argmax(size))
+    outside = np.flatnonzero(size > band * size[top])
+    first = int(outside[-1]) + 1 if len(outside) else 0
+    if first == len(y):
+        raise ScenarioError(
+            f"the signal has not settled to {100 * band:g} % of its peak by "
+            f"{time[-1]:g} s; give the run a later stop"
+        )
+    return {
+        "settling": Quantity(float(time[first]), "s"),
+        "peak": Quantity(float(size[top]), unit),
+        "peak_time": Quantity(float(time[top]), "s"),
+    }
+
+
+def sine_fit(time: Array, y: Array, hertz: float) -> complex:
+    """Return the complex amplitude c of y ~ Im(c exp(j w t)) + mean, least squares."""
+    angle = 2 * np.pi * hertz * time
+    columns = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(time)])
+    (real, imaginary, _), *_ = np.linalg.lstsq(columns, y, rcond=None)
+    return complex(real, imaginary)
+
+
+def _phase(c: complex) -> Quantity:
+    return Quantity(float(np.angle(c, deg=True)), "deg")
+
+
+def spectrum_line(
+    time: Array, y: Array, hertz: float, unit: str
+) -> dict[str, Quantity]:
+    """Return amplitude and frequency of the spectral line nearest ``hertz``.
+
+    One-sided, Hann window, amplitude of the equivalent sine; rows equally spaced.
+    """
+    from scipy.signal import periodogram
+
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    lines, power = periodogram(y, rate, window="hann", scaling="spectrum")
+    nearest = int(np.argmin(np.abs(lines - hertz)))
+    return {
+        "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
+        "frequency": Quantity(float(lines[nearest]), "Hz"),
+    }
+
+
+def _recorded(name: str, signals: Mapping[str, Signal]) -> Signal:
+    if name not in signals:
+        raise ScenarioError(f"{name} was not recorded; {did_you_mean(name, signals)}")
+    return signals[name]
+
+
+def _rows(spec: MetricSpec, signal: Signal) -> slice:
+    if spec.window is None:
+        return slice(None)
+    start, end = (float(t) for t in spec.window)
+    slack = 1e-12 * max(1.0, abs(end))
+    first = int(np.searchsorted(signal.time, start - slack))
+    last = int(np.searchsorted(signal.time, end + slack, side="right"))
+    if last - first < 1:
+        raise ScenarioError(f"no row of {signal.name} lies in [{start:g}, {end:g}] s")
+    return slice(first, last)
+
+
+def _beside(a: Signal, b: Signal) -> Signal:
+    """Return b, recorded at the times of a."""
+    if not np.array_equal(a.time, b.time):
+        raise ScenarioError(
+            f"{a.name} and {b.name} were recorded at different times "
+            f"({len(a)} and {len(b)} rows); record both at one rate"
+        )
+    return b

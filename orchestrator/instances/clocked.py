@@ -1,0 +1,99 @@
+"""A sampled FMI 3.0 FMU ticked by its clock, in event mode.
+
+It rests in event mode: inputs are set there, ``step`` activates the clock and
+updates the discrete states, ``pull`` reads the outputs of the tick and then moves
+the FMU on, by doStep, into event mode at the next tick.
+"""
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import SimulationError
+from orchestrator.fmu import FmuVariable
+from orchestrator.instances.group import STATUS, WARNING
+from orchestrator.instances.instance import LocalInstance
+
+UPDATES = 100  # of one event
+
+
+class ClockedInstance(LocalInstance):
+    """As ``LocalInstance``, for FMUs with a periodic input clock."""
+
+    def instantiate(self) -> None:
+        with self._named("instantiate"):
+            self._fmu.instantiate(
+                logMessage=self._fmi3_message, loggingOn=True, eventModeUsed=True
+            )
+        self.slave = ctypes.c_void_p(self._fmu.component)
+
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None:
+        super().bind(vector, inputs, first_input, outputs, first_output)
+        assert self.description.clock is not None
+        self.clock_reference = ctypes.c_uint(self.description.clock)
+        self.set_clock = self._function("fmi3SetClock", 4)
+        self.update = self._function("fmi3UpdateDiscreteStates", 7)
+        self.enter_step = self._function("fmi3EnterStepMode", 1)
+        self.enter_event = self._function("fmi3EnterEventMode", 1)
+        self._pending: tuple[float, float] | None = None
+
+    def _function(self, name: str, count: int) -> Any:
+        pointers: list[Any] = [ctypes.c_void_p] * count
+        if count == 4:
+            pointers[2] = ctypes.c_size_t
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int, *pointers)
+        return prototype((name, self.library))
+
+    def step(self, t: float, h: float) -> None:
+        self.clock.value = t
+        if status := self._tick():
+            raise self.failed_tick(status)
+        self._pending = t, h
+        if not self.outputs:
+            self._move_on()
+
+    def pull(self) -> None:
+        super().pull()
+        self._move_on()
+
+    def _tick(self) -> int:
+        """Return a status above a warning, or 0."""
+        reference = ctypes.byref(self.clock_reference)
+        active = ctypes.byref(ctypes.c_bool(True))
+        status = int(self.set_clock(self.slave, reference, 1, active))
+        flags = [ctypes.c_bool() for _ in range(5)]
+        again, ended = flags[:2]
+        next_time = ctypes.byref(ctypes.c_double())
+        pointers = [*map(ctypes.byref, flags), next_time]
+        for _ in range(UPDATES):
+            if status > WARNING:
+                return status
+            status = int(self.update(self.slave, *pointers))
+            if ended.value or not again.value:
+                break
+        return status if status > WARNING or not ended.value else 2
+
+    def _move_on(self) -> None:
+        if self._pending is None:
+            return
+        (t, h), self._pending = self._pending, None
+        status = self.enter_step(self.slave)
+        if status <= WARNING:
+            super().step(t, h)
+            status = self.enter_event(self.slave)
+        if status > WARNING:
+            raise self.failed_step(h, status)
+
+    def failed_tick(self, status: int) -> SimulationError:
+        """Return the error for a tick that returned a status."""
+        return self.fail("the tick of its clock", f"returned {STATUS[status]}")

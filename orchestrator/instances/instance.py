@@ -1,0 +1,337 @@
+"""One FMU instance in this process, FMI 2.0 or 3.0, behind one small interface.
+
+Call order: ``instantiate``, ``write`` start values, ``enter_initialization``,
+``write``/``read`` as often as needed, ``exit_initialization``, ``bind``, then
+``push`` (all inputs), ``step``, ``pull`` (all outputs) in the master's order,
+at the end ``close``.  ``push`` and ``pull`` move one contiguous part of the
+master's value vector in one call per FMI type.
+
+Every call returns normally or raises ``SimulationError`` with the instance,
+the function, and what the FMU logged.
+"""
+
+import ctypes
+from collections.abc import Callable, Sequence
+from contextlib import chdir, suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Protocol
+from weakref import WeakValueDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import FeedDriveError, FmuError, SimulationError
+from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
+
+
+class Instance(Protocol):
+    """What the master needs of an FMU instance, wherever it runs.
+
+    After ``bind``, the kernel calls ``do_step`` on ``slave`` in the way of FMI
+    ``step_major``, and the functions of the groups in that of their own ``major``.
+    """
+
+    name: str
+    description: FmuDescription
+    clock: ctypes.c_double
+    slave: Any
+    do_step: Any
+    inputs: list[Group]
+    outputs: list[Group]
+
+    @property
+    def step_major(self) -> int: ...
+    def failed_step(self, h: float, status: int) -> SimulationError: ...
+    def instantiate(self) -> None: ...
+    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
+    def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
+    def enter_initialization(self, start: float) -> None: ...
+    def exit_initialization(self) -> None: ...
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None: ...
+    def push(self) -> None: ...
+    def step(self, t: float, h: float) -> None: ...
+    def pull(self) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class LogMessage:
+    """What an FMU logged: status, category, text, and the time it had reached."""
+
+    status: str
+    category: str
+    text: str
+    time: float
+
+    def __str__(self) -> str:
+        category = f", {self.category}" if self.category else ""
+        return f"[{self.status}{category}] {self.text}"
+
+
+class LocalInstance:
+    """An FMU loaded into this process with ctypes, through fmpy.
+
+    ``folder`` is the unpacked archive.  ``log`` receives every message.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        description: FmuDescription,
+        folder: Path,
+        log: Callable[[str, LogMessage], None],
+    ) -> None:
+        self.name = name
+        self.description = description
+        self.clock = ctypes.c_double(0.0)
+        self._log = log
+        self._messages: list[LogMessage] = []
+        self._fmi2 = description.fmi_major == 2
+        self.slave: Any = None
+        self._initialized = False
+        self._worst = 0
+        _require_binary(description, folder)
+        try:
+            with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
+                self._fmu = self._load(folder)
+            self.library: Any = self._fmu.dll
+        except FeedDriveError:
+            raise
+        except Exception as error:  # fmpy raises bare Exception when loading fails
+            raise FmuError(
+                f"{description.path} ({name}): its library cannot be loaded: {error}; "
+                f"check with `ldd` which system library it lacks"
+            ) from None
+
+    @property
+    def step_major(self) -> int:
+        return self.description.fmi_major
+
+    @property
+    def time(self) -> float:
+        """The start of the latest step (s); the kernel writes it too."""
+        return self.clock.value
+
+    def _load(self, folder: Path) -> Any:
+        from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi3 import FMU3Slave
+
+        kind = FMU2Slave if self._fmi2 else FMU3Slave
+        return kind(
+            guid=self.description.token,
+            modelIdentifier=self.description.model_identifier,
+            unzipDirectory=str(folder),
+            instanceName=self.name,
+        )
+
+    def instantiate(self) -> None:
+        with self._named("instantiate"):
+            if self._fmi2:
+                _SPEAKERS[self.name] = self
+                self._fmu.instantiate(callbacks=_callbacks(), loggingOn=True)
+            else:
+                self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
+        self.slave = ctypes.c_void_p(self._fmu.component)
+
+    def _fmi3_message(self, _env: Any, status: int, category: Any, text: Any) -> None:
+        self.record(status, category, text)
+
+    def record(self, status: int, category: bytes | None, text: bytes | None) -> None:
+        """Keep what the FMU logs, and pass it on."""
+        label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+        name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
+        message = LogMessage(label, name, said, self.time)
+        self._messages = [*self._messages[-9:], message]
+        self._log(self.name, message)
+
+    def _named(self, function: str) -> "_Named":
+        return _Named(self, function)
+
+    def fail(self, function: str, reason: str) -> SimulationError:
+        """Return the error for a failed call, with what the FMU logged."""
+        said = "; ".join(str(m) for m in self._messages[-3:])
+        return SimulationError(
+            f"{self.name} ({self.description.path.name}): {function} at "
+            f"t = {self.time:.9g} s {reason}. "
+            + (f"The FMU logged: {said}" if said else "The FMU logged nothing.")
+        )
+
+    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+        position = 0
+        for variable in variables:
+            part = values[position : position + variable.size]
+            position += variable.size
+            with self._named(f"set {variable.name}"):
+                Group(self, [variable]).set(part)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+        values: list[float] = []
+        for variable in variables:
+            with self._named(f"get {variable.name}"):
+                values.extend(Group(self, [variable]).get())
+        return values
+
+    def enter_initialization(self, start: float) -> None:
+        self.clock.value = start
+        with self._named("enter initialization"):
+            if self._fmi2:
+                self._fmu.setupExperiment(startTime=start)
+                self._fmu.enterInitializationMode()
+            else:
+                self._fmu.enterInitializationMode(startTime=start)
+
+    def exit_initialization(self) -> None:
+        with self._named("exit initialization"):
+            self._fmu.exitInitializationMode()
+        self._initialized = True
+
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None:
+        self.inputs = groups(self, inputs, vector, first_input)
+        self.outputs = groups(self, outputs, vector, first_output)
+        self._bind_step()
+
+    def _bind_step(self) -> None:
+        name = "fmi2DoStep" if self._fmi2 else "fmi3DoStep"
+        self.do_step = self.library[name]
+        self.do_step.restype = ctypes.c_int
+        flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
+        self._reached = ctypes.c_double()
+        self._event, self._ended, self._early = flags
+        if self._fmi2:
+            self._tail: tuple[Any, ...] = (1,)
+            self.do_step.argtypes = [
+                ctypes.c_void_p,
+                ctypes.c_double,
+                ctypes.c_double,
+                ctypes.c_int,
+            ]
+        else:
+            pointers = [ctypes.pointer(flag) for flag in flags]
+            self._tail = (True, *pointers, ctypes.pointer(self._reached))
+            self.do_step.argtypes = [
+                ctypes.c_void_p,
+                ctypes.c_double,
+                ctypes.c_double,
+                ctypes.c_bool,
+                *[ctypes.POINTER(ctypes.c_bool)] * 3,
+                ctypes.POINTER(ctypes.c_double),
+            ]
+
+    def push(self) -> None:
+        for group in self.inputs:
+            group.push()
+
+    def pull(self) -> None:
+        for group in self.outputs:
+            group.pull()
+
+    def step(self, t: float, h: float) -> None:
+        self.clock.value = t
+        status = self.do_step(self.slave, t, h, *self._tail)
+        ended = not self._fmi2 and (self._ended.value or self._early.value)
+        if status > WARNING or ended:
+            raise self.failed_step(h, status)
+
+    def failed_step(self, h: float, status: int) -> SimulationError:
+        """Return the error for a step that returned a status or ended the run."""
+        bad = status > WARNING
+        self.refused(status)
+        why = f"returned {STATUS[status]}" if bad else "asked to end the simulation"
+        return self.fail(f"doStep of {h:.9g} s", why)
+
+    def refused(self, status: int) -> None:
+        """Remember the worst status of a call; it decides what ``close`` may call."""
+        self._worst = max(self._worst, status)
+
+    def close(self) -> None:
+        """Terminate and free the instance, whatever state it is in."""
+        if self.slave is None:
+            return
+        with suppress(Exception):
+            if self._initialized and self._worst <= DISCARD:
+                self._fmu.terminate()
+        if not self.description.is_ours:  # a thread it left may still run its code
+            self._fmu.freeLibrary = lambda: None
+        with suppress(Exception):
+            if self._worst != FATAL:  # then no call is allowed any more
+                self._fmu.freeInstance()
+        self.slave = None
+
+
+_SPEAKERS: WeakValueDictionary[str, LocalInstance] = WeakValueDictionary()
+
+
+@cache
+def _callbacks() -> Any:
+    """Return the FMI 2.0 callbacks, one set for the whole process.
+
+    fmpy's proxy, which formats the messages, knows a single logger: the instance
+    that speaks is found by its name.
+    """
+    from fmpy.fmi1 import calloc, free
+    from fmpy.fmi2 import (
+        fmi2CallbackAllocateMemoryTYPE,
+        fmi2CallbackFreeMemoryTYPE,
+        fmi2CallbackFunctions,
+        fmi2CallbackLoggerTYPE,
+    )
+    from fmpy.logging import addLoggerProxy
+
+    def message(_env: Any, name: bytes, status: int, category: Any, text: Any) -> None:
+        if (speaker := _SPEAKERS.get((name or b"").decode())) is not None:
+            speaker.record(status, category, text)
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = fmi2CallbackLoggerTYPE(message)
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+class _Named:
+    """Turn what fmpy raises in a block into our error naming the call."""
+
+    def __init__(self, instance: LocalInstance, function: str) -> None:
+        self.instance, self.function = instance, function
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
+        if error is None or isinstance(error, FeedDriveError):
+            return
+        self.instance.refused(getattr(error, "status", 0))
+        if isinstance(error, Exception):
+            raise self.instance.fail(self.function, f"failed ({error})") from None
+
+
+def _require_binary(description: FmuDescription, folder: Path) -> None:
+    import fmpy
+
+    host = fmpy.platform if description.fmi_major == 2 else fmpy.platform_tuple
+    suffix = fmpy.sharedLibraryExtension
+    binary = folder / "binaries" / host / f"{description.model_identifier}{suffix}"
+    if not binary.is_file():
+        there = ", ".join(description.platforms) or "none at all"
+        raise FmuError(
+            f"{description.path}: has no binary for this machine "
+            f"(binaries/{host}/{binary.name}); it has: {there}. Ask its supplier for "
+            f"this platform, or build it from its sources"
+        )

@@ -1,0 +1,337 @@
+"""An FMU instance in a process of its own; what it does there cannot harm the run.
+
+The child is spawned with nothing of the caller's script and runs
+``isolated_child.serve``.  Before the run and at its end, requests and answers go
+through a pipe.  While running, values lie in memory that both processes map (a
+file in the FMU's folder) and channel.c hands requests over; where there is no
+compiler for it, the handing over goes through the pipe too.
+
+A child that dies, or does not answer in time, ends the run with an error naming
+the FMU and what it was doing.  ``close`` leaves neither process nor file behind;
+a child whose master dies ends by itself.
+"""
+
+import ctypes
+import mmap
+import multiprocessing as mp
+import os
+import queue
+import signal
+import sys
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from multiprocessing.connection import wait
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.compile import CompileError
+from orchestrator import kernel_library as c
+from orchestrator.errors import SimulationError
+from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.instances.group import Group
+from orchestrator.instances.instance import LogMessage
+from orchestrator.instances.isolated_child import CHANNEL, serve
+from orchestrator.instances.spawn import spawn
+from orchestrator.system import Isolation
+
+REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
+LOADED_WITHIN = 60.0  # s for a child to start and load the FMU, at least
+ENDING_WITHIN = 5.0  # s for a child to free its FMU
+
+
+class IsolatedInstance:
+    """The same calls as ``LocalInstance``, carried out by a child process."""
+
+    step_major = 2  # channel_step is called like fmi2DoStep
+
+    def __init__(
+        self,
+        name: str,
+        description: FmuDescription,
+        folder: Path,
+        log: Callable[[str, LogMessage], None],
+        isolation: Isolation,
+    ) -> None:
+        if mp.current_process().daemon:
+            raise SimulationError(
+                f"{name} ({description.path.name}): this process is a daemon (of "
+                f"multiprocessing.Pool?) and may not start one for the FMU; use "
+                f"concurrent.futures.ProcessPoolExecutor, or isolation = 'none'"
+            )
+        self.name, self.description = name, description
+        self.clock = ctypes.c_double(0.0)
+        self.inputs: list[Group] = []
+        self.outputs: list[Group] = []
+        self.do_step: Any = None
+        self._isolation, self._folder, self._log = isolation, folder, log
+        self._requests: deque[str] = deque(maxlen=4)
+        self._said: deque[LogMessage] = deque(maxlen=3)
+        self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        self._channel: c.Channel | None = None
+        self._waiting = False  # for an answer through the pipe
+        try:
+            self._library: Any = c.library()
+        except CompileError:
+            self._library = None
+        self._link = c.Link(within=isolation.answer_within)
+        self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
+        self._pipe, theirs = mp.get_context("spawn").Pipe()
+        self._child = spawn(
+            *(serve, theirs, name, description, folder, isolation.memory_limit),
+            self._library is not None,
+        )
+        theirs.close()
+        self._listener = Thread(target=self._listen, daemon=True)
+        self._listener.start()
+
+    def instantiate(self) -> None:
+        self._answer("load")  # not sooner, so that several children start at once
+        self._ask("instantiate")
+
+    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+        self._ask("write", list(variables), values)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+        self._deliver()
+        answer: list[float] = self._ask("read", list(variables))
+        return answer
+
+    def enter_initialization(self, start: float) -> None:
+        self._ask("enter_initialization", start)
+
+    def exit_initialization(self) -> None:
+        self._deliver()
+        self._ask("exit_initialization")
+
+    def bind(
+        self,
+        vector: NDArray[np.float64],
+        inputs: Sequence[FmuVariable],
+        first_input: int,
+        outputs: Sequence[FmuVariable],
+        first_output: int,
+    ) -> None:
+        n, m = (sum(v.size for v in group) for group in (inputs, outputs))
+        size = ctypes.sizeof(c.Channel) + 8 * (n + m)
+        with (self._folder / CHANNEL).open("x+b") as file:
+            file.write(bytes(size))  # its space is taken now, not at a later fault
+            file.flush()
+            self._memory = mmap.mmap(file.fileno(), size)
+        channel = c.Channel.from_buffer(self._memory)
+        channel.doing = len(c.DOING)
+        self._ask("bind", list(inputs), list(outputs))
+        self._channel, self._names = channel, [v.name for v in inputs]
+        self._link.channel, self._link.stale = ctypes.addressof(channel), 1
+        self._link.n_inputs, self._link.n_outputs = n, m
+        values = np.frombuffer(self._memory, offset=ctypes.sizeof(channel))
+        self._to = values[:n], vector[first_input : first_input + n]
+        self._from = vector[first_output : first_output + m], values[n:]
+        if self._library is not None:
+            self.do_step = self._library.channel_step
+            functions = self._library.channel_get, self._library.channel_set
+            if n:
+                self.inputs = [_Bundle(self, vector, first_input, n, *functions)]
+            if m:
+                self.outputs = [_Bundle(self, vector, first_output, m, *functions)]
+
+    def push(self) -> None:
+        to, values = self._to
+        to[:] = values
+        assert self._channel is not None
+        self._channel.given = self._link.stale = 1
+
+    def step(self, t: float, h: float) -> None:
+        self.clock.value = t
+        if self._library is not None:
+            if status := self.do_step(self.slave, t, h, 1):
+                raise self.failed_step(h, status)
+            return
+        assert self._channel is not None
+        self._channel.t, self._channel.h = t, h
+        self._channel.steps += 1
+        self._ask("step")
+        self._link.stale = 0
+
+    def pull(self) -> None:
+        if self._link.stale:
+            self._exchange()
+        to, values = self._from
+        to[:] = values
+
+    def failed_step(self, h: float, status: int) -> SimulationError:
+        """Return the error for a request through the channel that went wrong."""
+        if status == REFUSED:
+            try:
+                self._answer("doStep")
+            except SimulationError as error:
+                return error
+        if status == INTERRUPTED:
+            return SimulationError(f"{self.name}: a signal interrupted {self._doing()}")
+        return self._late() if status == LATE else self._died(self._doing())
+
+    def close(self) -> None:
+        """Ask the child to free the instance and end; kill it if it does not."""
+        self._link.within = min(self._link.within, ENDING_WITHIN)
+        if self._child.is_alive() and not self._occupied():
+            with suppress(OSError, SimulationError):
+                self._leave()
+                self._pipe.send(("close",))
+                self._child.join(ENDING_WITHIN)
+        self._kill()
+        self._child.join()
+        self._listener.join()
+        self._pipe.close()
+        if self._channel is not None:
+            self._link.channel, self._channel = None, None
+            del self._to, self._from
+            with suppress(BufferError):
+                self._memory.close()
+
+    def _occupied(self) -> bool:
+        channel = self._channel
+        busy = channel is not None and channel.asked.number != channel.answered.number
+        return self._waiting or busy
+
+    def _kill(self) -> None:
+        """Kill the child, if it is alive, and the tools that it started."""
+        if sys.platform == "win32":
+            self._child.kill()
+            return
+        with suppress(OSError):
+            os.killpg(self._child.pid, signal.SIGKILL)
+        self._child.kill()
+
+    def _deliver(self) -> None:
+        """Let inputs that were pushed reach the FMU."""
+        if self._channel is not None and self._channel.given:
+            self._exchange()
+
+    def _exchange(self) -> None:
+        if self._library is None:
+            self._ask("exchange")
+            self._link.stale = 0
+        elif status := self._library.channel_ask(self.slave, c.ASK.index("exchange")):
+            raise self.failed_step(0.0, status)
+
+    def _leave(self) -> None:
+        if self._channel is None or self._library is None:
+            return
+        if status := self._library.channel_ask(self.slave, c.ASK.index("leave")):
+            raise self.failed_step(0.0, status)
+
+    def _ask(self, request: str, *arguments: Any) -> Any:
+        self._requests.append(request.replace("_", " "))
+        self._leave()
+        self._link.stale = 1
+        with suppress(OSError):  # a child that is gone is noticed by the listener
+            self._pipe.send((request, *arguments))
+        return self._answer(request)
+
+    def _answer(self, request: str) -> Any:
+        self._waiting = True
+        within = self._isolation.answer_within
+        if request == "load":
+            within = max(within, LOADED_WITHIN)
+        try:
+            kind, value = self._answers.get(timeout=within)
+        except queue.Empty:
+            raise self._late() from None
+        self._waiting = False
+        if kind == "error":
+            raise value
+        if kind == "ended":
+            self._answers.put((kind, value))
+            raise self._died(self._doing())
+        return value
+
+    def _listen(self) -> None:
+        """Take what comes up the pipe, until the child has ended; in a thread."""
+        with suppress(EOFError, OSError):
+            while self._pipe in wait([self._pipe, self._child.sentinel]):
+                kind, value = self._pipe.recv()
+                if kind == "log":
+                    self._said.append(value)
+                    self._log(self.name, value)
+                else:
+                    self._answers.put((kind, value))
+        self._link.ended = 1
+        self._answers.put(("ended", None))
+
+    def _late(self) -> SimulationError:
+        self._kill()
+        within = self._isolation.answer_within
+        return SimulationError(
+            f"{self.name} ({self.description.path.name}): no answer within "
+            f"{within:g} s (answer_within) in {self._doing()}; its process is killed. "
+            f"{self._history()}"
+        )
+
+    def _died(self, request: str) -> SimulationError:
+        self._child.join(ENDING_WITHIN)
+        code = self._child.exitcode
+        how = f"exit code {code}"
+        if code is not None and code < 0:
+            how = f"signal {-code} ({signal.Signals(-code).name})"
+        remedy = ""
+        if self._isolation.memory_limit is not None:
+            remedy = f"; memory_limit is {self._isolation.memory_limit / 1e6:g} MB"
+        elif code == -9:
+            remedy = "; the system kills so when memory runs out"
+        return SimulationError(
+            f"{self.name} ({self.description.path.name}): its process ended with {how} "
+            f"during {request}{remedy}. {self._history()}"
+        )
+
+    def _doing(self) -> str:
+        """Say what the FMU was last asked to do."""
+        channel = self._channel
+        if channel is None or channel.steps == 0 or channel.doing == len(c.DOING):
+            return self._requests[-1] if self._requests else "load"
+        word = c.DOING[channel.doing]
+        kind = word if word == "doStep" else f"{word} before or after doStep"
+        return f"{kind} of {channel.h:.9g} s at t = {channel.t:.9g} s"
+
+    def _history(self) -> str:
+        calls = list(self._requests)
+        if self._channel is not None and self._channel.steps:
+            inputs = ", ".join(
+                f"{name} = {value:.6g}"
+                for name, value in zip(self._names[:4], self._to[0], strict=False)
+            )
+            n = self._channel.steps
+            calls = [*calls[-1:], f"{n} steps, the last with {inputs or 'no inputs'}"]
+        said = "; ".join(map(str, self._said)) or "nothing"
+        return f"Its last calls: {', '.join(calls) or 'load'}. It logged: {said}."
+
+
+class _Bundle(Group):
+    """All inputs or all outputs of an isolated FMU, as the kernel calls them."""
+
+    def __init__(
+        self,
+        instance: Any,
+        vector: NDArray[np.float64],
+        first: int,
+        size: int,
+        getter: Any,
+        setter: Any,
+    ) -> None:
+        self.major, self.kind, self.element = 2, "Real", ctypes.c_double
+        self.instance, self.vector, self.first, self.size = (
+            instance,
+            vector,
+            first,
+            size,
+        )
+        self.references = (ctypes.c_uint * 1)()
+        self.buffer = (ctypes.c_double * size).from_buffer(vector.data, 8 * first)
+        self.getter, self.setter = getter, setter
+
+    def failure(self, verb: str, status: int) -> SimulationError:
+        failed: SimulationError = self.instance.failed_step(0.0, status)
+        return failed

@@ -1,0 +1,216 @@
+"""What runs in the process of an isolated FMU: ``serve``.
+
+Requests come through the pipe (name and arguments; answered by ``("done", value)``
+or ``("error", error)``), or, once an FMU is bound, through the channel, until it
+says to leave.  Log messages go up the pipe as they come.  The process ignores
+Ctrl-C, which is the master's, and ends when the master is gone.
+"""
+
+import ctypes
+import mmap
+import multiprocessing as mp
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from multiprocessing.connection import wait
+from pathlib import Path
+from threading import Lock, Thread
+from time import sleep
+from typing import Any, NoReturn
+
+import numpy as np
+
+from orchestrator import kernel_library as c
+from orchestrator.errors import FeedDriveError, SimulationError
+from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.instances.group import group_table
+from orchestrator.instances.instance import LocalInstance, LogMessage
+from orchestrator.instances.load import load
+from orchestrator.temporary import sweep
+
+CHANNEL = "feeddrive-channel"  # file in the folder of the FMU
+
+
+def serve(
+    pipe: Any,
+    name: str,
+    description: FmuDescription,
+    folder: Path,
+    memory_limit: float | None,
+    shared: bool,
+) -> None:
+    """Load an FMU and carry out requests until one is to close.
+
+    ``shared``: requests to step come through the channel, not the pipe.
+    """
+    _stand_alone(folder)
+    lock = Lock()
+
+    def send(kind: str, value: Any) -> None:
+        with lock, suppress(OSError):  # a master that is gone needs no answer
+            pipe.send((kind, value))
+
+    def log(_name: str, message: LogMessage) -> None:
+        send("log", message)
+
+    try:
+        if memory_limit is not None:
+            _limit_memory(memory_limit)
+        server = _Server(load(name, description, folder, log), folder, shared)
+        send("done", None)
+    except FeedDriveError as error:
+        send("error", error)
+        return
+    while True:
+        if server.listening and (refusal := server.listen()):
+            send("error", refusal)
+            server.answer()
+            continue
+        try:
+            request, *arguments = pipe.recv()
+        except (EOFError, OSError):
+            _end_with_master(folder)
+        if request == "close":
+            server.instance.close()
+            _end(0)
+        try:
+            send("done", server.carry_out(request, arguments))
+        except FeedDriveError as error:
+            send("error", error)
+        except MemoryError:
+            send("error", SimulationError(f"{name}: out of memory in {request}"))
+
+
+class _Server:
+    """The FMU and, once it is bound, the memory shared with the master."""
+
+    def __init__(self, instance: LocalInstance, folder: Path, shared: bool):
+        self.instance, self.folder, self.by_channel = instance, folder, shared
+        self.listening = False
+
+    def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
+        if request in ("bind", "step", "exchange"):
+            return getattr(self, request)(*arguments)
+        return getattr(self.instance, request)(*arguments)
+
+    def bind(
+        self, inputs: Sequence[FmuVariable], outputs: Sequence[FmuVariable]
+    ) -> None:
+        with (self.folder / CHANNEL).open("r+b") as file:
+            memory = mmap.mmap(file.fileno(), 0)
+        self.shared = c.Channel.from_buffer(memory)
+        values = np.frombuffer(memory, offset=ctypes.sizeof(self.shared))
+        n = sum(v.size for v in inputs)
+        self.instance.bind(values, inputs, 0, outputs, n)
+        if self.by_channel:
+            self.kernel = self._kernel()
+            self.listening = True
+
+    def _kernel(self) -> c.Kernel:
+        """Return a kernel of which this FMU is the only part."""
+        instance = self.instance
+        groups = [instance.inputs, instance.outputs]
+        tables = [(c.Group * len(g))(*map(group_table, g)) for g in groups]
+        part = c.Part(
+            instance=instance.slave.value,
+            do_step=c.address(instance.do_step),
+            clock=ctypes.addressof(instance.clock),
+            inputs=ctypes.addressof(tables[0]),
+            n_inputs=len(tables[0]),
+            outputs=ctypes.addressof(tables[1]),
+            n_outputs=len(tables[1]),
+            major=instance.step_major,
+        )
+        self._kept = tables, part
+        return c.Kernel(parts=ctypes.addressof(part))
+
+    def listen(self) -> FeedDriveError | None:
+        """Serve the channel; return the error of a request that failed."""
+        library = c.library()
+        if library.channel_serve(ctypes.addressof(self.shared), self.kernel):
+            return None
+        kernel, instance = self.kernel, self.instance
+        how = c.FAILURES[int(kernel.failure)]
+        status, group = int(kernel.status), int(kernel.group)
+        if how == "step":
+            return instance.failed_step(float(kernel.h), status)
+        if how == "get":
+            return instance.outputs[group].failure("get", status)
+        if how == "set":
+            return instance.inputs[group].failure("set", status)
+        sink = instance.inputs[group]
+        assert sink.vector is not None
+        given = sink.vector[sink.first : sink.first + sink.size]
+        return sink.misfit(given.tolist())
+
+    def answer(self) -> None:
+        """Tell the master that its request failed."""
+        c.library().channel_answer(ctypes.addressof(self.shared))
+
+    def exchange(self) -> None:
+        """Set inputs that were given, get outputs; through the pipe."""
+        if self.shared.given:
+            self.shared.doing = c.DOING.index("set")
+            self.instance.push()
+            self.shared.given = 0
+        self.shared.doing = c.DOING.index("get")
+        self.instance.pull()
+        self.shared.doing = len(c.DOING)
+
+    def step(self) -> None:
+        """Set inputs that were given, step, get outputs; through the pipe."""
+        if self.shared.given:
+            self.shared.doing = c.DOING.index("set")
+            self.instance.push()
+            self.shared.given = 0
+        self.shared.doing = c.DOING.index("doStep")
+        self.instance.step(self.shared.t, self.shared.h)
+        self.exchange()
+
+
+def _stand_alone(folder: Path) -> None:
+    """Make this process independent of the terminal and of the master's end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "setpgid"):  # with tools it starts, so that all end together
+        os.setpgid(0, 0)
+    with suppress(OSError):  # stdout is the master's, say for --json
+        sys.stdout.flush()
+        os.dup2(2, 1)
+    Thread(target=_end_with_master, args=(folder,), daemon=True).start()
+
+
+def _end_with_master(folder: Path) -> NoReturn:
+    """Wait for the end of the master, delete what it left, and end too."""
+    master = mp.parent_process()
+    assert master is not None
+    wait([master.sentinel])
+    for _ in range(100):  # its lock on the folder may fall a little later
+        sweep()
+        if not folder.exists():
+            break
+        sleep(0.01)
+    _end(1)
+
+
+def _end(code: int) -> NoReturn:
+    """End at once: neither exit handlers nor threads of an FMU can hinder it."""
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _limit_memory(size: float) -> None:
+    """Let the process take ``size`` bytes more than it has; nothing on Windows."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    taken = 0
+    with suppress(OSError):
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        taken = pages * resource.getpagesize()
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    limit = taken + int(size)
+    limit = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))

@@ -1,0 +1,54 @@
+"""A finished run with its figures and checks."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from orchestrator.evaluation.expectation import Check
+from orchestrator.quantity import Quantity
+from orchestrator.result import Result
+from orchestrator.scenario.compose import Composition
+from orchestrator.scenario.reading import Scenario
+
+
+class Run(Result):
+    """A finished run: recorded signals by name, and what was made of them.
+
+    ``metrics`` are the figures of the scenario, ``checks`` its expectations;
+    ``composition`` the system that ran, with its design results.
+    """
+
+    def __init__(
+        self,
+        result: Result,
+        composition: Composition,
+        metrics: Mapping[str, Quantity],
+        checks: list[Check],
+    ) -> None:
+        super().__init__(result.folder, result.timing)
+        self.composition = composition
+        self.metrics = metrics
+        self.checks = checks
+
+    @property
+    def scenario(self) -> Scenario:
+        return self.composition.scenario
+
+    def summary(self) -> dict[str, Any]:
+        """Return the object that ``run --json`` prints."""
+        timing = self.timing
+        return {
+            "scenario": self.scenario.name,
+            "stop": float(self.composition.system.stop),
+            "metrics": {
+                name: {"value": figure.value, "unit": figure.unit}
+                for name, figure in self.metrics.items()
+            },
+            "timing": timing
+            and {
+                "wall_s": timing.wall_s,
+                "real_time_factor": timing.real_time_factor,
+                "us_per_instant": timing.us_per_instant,
+            }
+            | ({"profile": timing.profile.as_json()} if timing.profile else {}),
+            "result": str(self.folder),
+        }

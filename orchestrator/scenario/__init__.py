@@ -1,0 +1,1 @@
+"""Scenarios: what a TOML file says, checked, composed into a system."""

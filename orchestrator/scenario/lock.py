@@ -1,0 +1,137 @@
+"""The lock file: a run written down so that it can be run again.
+
+``scenario.lock.toml`` is itself a scenario: FMUs copied beside it, designs
+replaced by what they found, stars opened, times exact.  Its ``[lock]`` table
+says where it came from: overrides, digests, versions, design arguments.
+"""
+
+import platform
+import shutil
+from collections.abc import Mapping
+from fractions import Fraction
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from orchestrator.evaluation.metrics import factor
+from orchestrator.evaluation.schema import Factor, MetricSpec
+from orchestrator.quantity import time_text
+from orchestrator.scenario.compose import Composition
+from orchestrator.system import Component, Isolation
+
+LOCK = "scenario.lock.toml"
+_VERSIONS = ("feeddrive-cosim", "numpy", "scipy", "casadi", "ziglang", "fmpy")
+
+
+def write_lock(composition: Composition, folder: Path) -> Path:
+    """Write the lock file and the FMUs it names into ``folder``; return its path."""
+    import tomli_w
+
+    fmus = folder / "fmus"
+    fmus.mkdir(parents=True, exist_ok=True)
+    for component in composition.system.components.values():
+        shutil.copyfile(component.fmu, fmus / f"{component.name}.fmu")
+    file = folder / LOCK
+    file.write_bytes(tomli_w.dumps(locked(composition)).encode())
+    return file
+
+
+def locked(composition: Composition) -> dict[str, Any]:
+    """Return the tables of the lock file."""
+    spec, system = composition.scenario.spec, composition.system
+    expect = {k: e.model_dump(exclude_none=True) for k, e in spec.expect.items()}
+    metrics = {k: _metric(m, composition) for k, m in spec.metrics.items()}
+    return {
+        "title": spec.title,
+        "description": spec.description,
+        "stop": time_text(system.stop),
+        "components": {n: _component(c) for n, c in system.components.items()},
+        "connections": dict(system.connections),
+        "faults": {
+            name: [_plain(fault.model_dump(exclude_none=True)) for fault in faults]
+            for name, faults in spec.faults.items()
+        },
+        "record": {name: time_text(row) for name, row in system.record.items()},
+        "metrics": _plain(metrics),
+        "expect": expect,
+        "lock": {
+            "scenario": system.name,
+            "overrides": list(composition.scenario.overrides),
+            "sources": dict(composition.sources),
+            "digests": dict(composition.digests),
+            "versions": versions(),
+            "design": {
+                name: {
+                    "call": result.call,
+                    "arguments": _plain(result.arguments),
+                    "values": _plain(result.values),
+                }
+                for name, result in composition.designs.items()
+            },
+        },
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what computes: Python, platform and packages."""
+    import importlib.util
+
+    found = {"python": platform.python_version(), "platform": platform.platform()}
+    for package in _VERSIONS:
+        module = package.partition("-")[0]
+        if module == "feeddrive" or importlib.util.find_spec(module):
+            found[package] = version(package)
+    return found
+
+
+def _component(component: Component) -> dict[str, Any]:
+    written: dict[str, Any] = {
+        "fmu": f"fmus/{component.name}.fmu",
+        "step": time_text(component.period),
+        "offset": time_text(component.offset),
+        "latency": component.latency,
+        "parameters": _plain(component.parameters),
+        "start": _plain(component.start),
+        "map": {
+            name: {
+                key: value for key, value in vars(mapped).items() if value is not None
+            }
+            for name, mapped in component.map.items()
+        },
+    }
+    if component.kind is not None:
+        written["kind"] = component.kind
+    written |= _isolation(component.isolation)
+    return {key: value for key, value in written.items() if value != {}}
+
+
+def _isolation(isolation: Isolation) -> dict[str, Any]:
+    written: dict[str, Any] = {}
+    if isolation.process is not None:
+        written["isolation"] = "process" if isolation.process else "none"
+    if isolation.answer_within != Isolation().answer_within:
+        written["answer_within"] = isolation.answer_within
+    if isolation.memory_limit is not None:
+        written["memory_limit"] = isolation.memory_limit
+    return written
+
+
+def _metric(spec: MetricSpec, composition: Composition) -> dict[str, Any]:
+    """Return a metric's table, its factors as numbers with their units."""
+    table = spec.model_dump(exclude_none=True)
+    for key, field in type(spec).model_fields.items():
+        if field.annotation == Factor and isinstance(table.get(key), str):
+            found = factor(table[key], composition.parameter)
+            table[key] = f"{found.value!r} {found.unit}"
+    return table
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as TOML can hold it: fractions as exact text."""
+    if isinstance(value, Fraction):
+        return time_text(value)
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, tuple | list):
+        return [_plain(v) for v in value]
+    return value.tolist() if hasattr(value, "tolist") else value

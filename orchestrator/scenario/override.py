@@ -1,0 +1,169 @@
+"""What ``--set key=value`` changes in a scenario's tables.
+
+    component.parameter   component.nested.parameter   component.state.x_1
+    component.step  .offset  .latency  .fmu  .kind     (of the component itself)
+    rates.name   stop   fmi
+    faults.component.input.value  .samples  .window  .kind
+    faults.component.input=false (leave it out)
+    design.name.argument   design.name.from_run   design.name=false (leave it out)
+
+``component.parameters.name`` and ``component.start.name`` reach a variable
+whose name is one of the component's own keys.  Whether a parameter exists is
+known when the scenario is composed, from the FMU's variables.
+"""
+
+import tomllib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.quantity import DecimalFloat
+from orchestrator.scenario.schema import parse_value
+
+_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind")
+_OF_DESIGN = ("from_run", "call")
+_OF_FAULT = ("kind", "value", "samples", "window")
+
+
+def apply_override(raw: dict[str, Any], text: str) -> bool:
+    """Change a scenario's tables in place; tell whether a component was changed.
+
+    Raises:
+        ScenarioError: the text is no ``key=value``, or names nothing there is.
+    """
+    key, equals, written = text.partition("=")
+    key = key.strip()
+    if not equals or not key:
+        raise ScenarioError(f"--set {text}: write component.parameter=value")
+    value = parse_override_value(written)
+    head, _, rest = key.partition(".")
+    components = raw.get("components", {})
+    if key in ("stop", "fmi"):
+        raw[key] = value
+    elif head == "rates" and rest:
+        _known(text, "rate", rest, raw.get("rates", {}))
+        raw["rates"][rest] = value
+    elif head == "design" and rest:
+        _set_design(raw, text, rest, value)
+    elif head == "faults" and rest:
+        _set_fault(raw, text, rest, value)
+    elif head in components and rest:
+        _set_component(components[head], text, rest, value)
+        return True
+    elif rest:
+        _known(text, "component", head, [*components, "rates", "design", "faults"])
+    else:
+        known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
+        raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
+    return False
+
+
+def parse_override_value(written: str) -> Any:
+    """Return the value of an override: a TOML value, or else the text itself."""
+    try:
+        return tomllib.loads(f"v = {written}", parse_float=DecimalFloat)["v"]
+    except tomllib.TOMLDecodeError:
+        text = written.strip()
+    try:
+        return DecimalFloat(text)
+    except ValueError:
+        return text
+
+
+def parse_swaps(swaps: Sequence[str], maps: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return what ``--swap component=their.fmu`` and ``--map`` put in place.
+
+    The n-th map, a TOML file or inline TOML, belongs to the n-th swap.
+
+    Raises:
+        ScenarioError: no ``component=file``, no such file, a map that is no TOML.
+    """
+    if len(maps) > len(swaps):
+        raise ScenarioError("--map: there are more maps than swaps to use them")
+    found = {}
+    for number, text in enumerate(swaps):
+        component, equals, fmu = text.partition("=")
+        if not equals or not fmu:
+            raise ScenarioError(f"--swap {text}: write component=their.fmu")
+        is_file = fmu.endswith((".fmu", ".py"))
+        if is_file and not Path(fmu).is_file():
+            raise ScenarioError(f"--swap {text}: no such file: {fmu}")
+        found[component] = {"fmu": str(Path(fmu).absolute()) if is_file else fmu}
+        if number < len(maps):
+            found[component]["map"] = parse_map(maps[number])
+    return found
+
+
+def parse_map(text: str) -> Any:
+    """Return a map given as the path of a TOML file or as inline TOML.
+
+    Raises:
+        ScenarioError: it can be read as neither.
+    """
+    try:
+        if text.endswith(".toml"):
+            return tomllib.loads(Path(text).read_text(encoding="utf-8"))
+        return tomllib.loads(f"map = {{{text}}}")["map"]
+    except OSError as error:
+        raise ScenarioError(
+            f"--map {text}: cannot be read ({error.strerror})"
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(
+            f"--map {text}: not valid TOML ({error}); write a .toml file, or inline "
+            f'\'u = {{name = "voltage", gain = -1}}, x_1 = "angle"\''
+        ) from None
+
+
+def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    if rest in _OF_COMPONENT:
+        is_file = rest == "fmu" and str(value).endswith((".fmu", ".py"))
+        component[rest] = str(Path(value).absolute()) if is_file else value
+        return
+    table, _, name = rest.partition(".")
+    if table not in ("parameters", "start") or not name:
+        table, name = ("start" if table == "state" else "parameters"), rest
+    try:
+        parse_value(value)
+    except ValueError as error:
+        raise ScenarioError(f"--set {text}: {error}") from None
+    component.setdefault(table, {})[name] = value
+
+
+def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    steps = raw.get("design", {})
+    name, _, argument = rest.partition(".")
+    _known(text, "design step", name, steps)
+    if not argument:
+        if value is not False:
+            raise ScenarioError(
+                f"--set {text}: write design.{name}.<argument>=value, or "
+                f"design.{name}=false to leave the step out"
+            )
+        del steps[name]
+    elif argument in _OF_DESIGN:
+        steps[name][argument] = value
+    else:
+        steps[name].setdefault("arguments", {})[argument] = value
+
+
+def _set_fault(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    faults = raw.get("faults", {})
+    if rest in faults and value is False:
+        del faults[rest]
+        return
+    name, _, key = rest.rpartition(".")
+    _known(text, "fault", name if key in _OF_FAULT else rest, faults)
+    if not isinstance(faults.get(name), dict):
+        raise ScenarioError(
+            f"--set {text}: write faults.{name or rest}.value= where there is one "
+            f"fault, or faults.{name or rest}=false to leave them out"
+        )
+    faults[name][key] = value
+
+
+def _known(text: str, noun: str, name: str, table: Iterable[str]) -> None:
+    if name not in table:
+        remedy = did_you_mean(name, table)
+        raise ScenarioError(f"--set {text}: there is no {noun} {name!r}; {remedy}")

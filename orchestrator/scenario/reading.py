@@ -1,0 +1,283 @@
+"""What a scenario file says, validated; nothing is built or run here.
+
+A scenario is TOML: ``stop``, ``rates``, ``components``, ``connections``,
+``faults``, ``design``, ``record``, ``metrics``, ``expect``.  The order of precedence is
+
+    start value of the FMU < design step < scenario file < --set
+
+``base = "other.toml"`` inherits from a scenario of the same folder, table by
+table, ``base = ["one.toml", "two.toml"]`` from several, the later before the
+earlier; an inherited entry is removed by the value ``false``.  Every complaint
+names the file and the key path.  ``nominal`` is the scenario without what the
+command line changed on components: what design steps are told.
+"""
+
+import logging
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from pydantic import ValidationError
+
+from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.quantity import DecimalFloat
+from orchestrator.scenario.override import apply_override
+from orchestrator.scenario.schema import RateContext, Specification
+
+STUDIES = Path(__file__).parents[1] / "studies"
+Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
+LOG = logging.getLogger("feeddrive")
+REMOVABLE = (
+    "components",
+    "connections",
+    "faults",
+    "design",
+    "record",
+    "metrics",
+    "expect",
+)
+_KEPT = ("step", "offset", "latency", "kind")  # by a component that is swapped
+_NOT_SCENARIOS = ("reference.toml",)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A validated scenario: its name, its file, what it says after overrides."""
+
+    name: str
+    file: Path
+    spec: Specification
+    nominal: Specification
+    overrides: tuple[str, ...] = ()
+
+    def beside(self, name: str) -> str:
+        """Return the full name or path of a scenario named from within this one."""
+        if name.endswith(".toml"):
+            return str(self.file.parent / name)
+        return name if "/" in name else str(self.file.parent / f"{name}.toml")
+
+
+def load_scenario(
+    name: str | Path, overrides: Sequence[str] = (), swaps: Swaps | None = None
+) -> Scenario:
+    """Return the scenario of a file or of a name ``<study>/<scenario>``.
+
+    ``overrides`` are texts ``component.parameter=value`` as given to ``--set``;
+    ``swaps`` put another FMU, with its own ``fmu``, ``map`` and the like, in the
+    place of a component before the overrides are applied.
+
+    Raises:
+        ScenarioError: no such scenario, malformed TOML, a wrong key or value.
+    """
+    file = find_scenario(name)
+    return scenario_from(read_scenario(file), file, overrides, swaps)
+
+
+def scenario_from(
+    raw: Mapping[str, Any],
+    file: Path,
+    overrides: Sequence[str] = (),
+    swaps: Swaps | None = None,
+) -> Scenario:
+    """Return the scenario that parsed TOML describes; ``file`` names it in messages.
+
+    Raises:
+        ScenarioError: a wrong key, value or override.
+    """
+    plain = _copy(raw)
+    changed = _copy(raw)
+    for component, swap in (swaps or {}).items():
+        _swap(changed, component, swap)
+    for text in overrides:
+        on_component = apply_override(changed, text)
+        if not on_component:
+            apply_override(plain, text)
+    nominal = _validate(plain, file)
+    spec = _validate(changed, file) if changed != plain else nominal
+    return Scenario(scenario_name(file), file, spec, nominal, tuple(overrides))
+
+
+def find_scenario(name: str | Path) -> Path:
+    """Return the file of a scenario given by name or path.
+
+    Raises:
+        ScenarioError: there is none; the message lists the nearest.
+    """
+    path = Path(name)
+    if path.suffix == ".toml":
+        if not path.is_file():
+            raise ScenarioError(f"{path}: no such scenario file")
+        return path
+    study, _, scenario = str(name).partition("/")
+    folder = find_study(study)
+    if scenario in (known := scenarios(folder)):
+        return known[scenario]
+    remedy = did_you_mean(scenario, known)
+    raise ScenarioError(f"study {study!r} has no scenario {scenario!r}; {remedy}")
+
+
+def find_study(study: str) -> Path:
+    """Return the folder of a study.
+
+    Raises:
+        ScenarioError: there is none of that name.
+    """
+    known = {f.name: f for f in sorted(STUDIES.glob("*/")) if any(f.glob("*.toml"))}
+    if study not in known:
+        remedy = did_you_mean(study, known)
+        raise ScenarioError(
+            f"there is no study {study!r}; {remedy} A scenario is named "
+            f"<study>/<scenario>, or by the path of its .toml file."
+        )
+    return known[study]
+
+
+def scenarios(folder: Path) -> dict[str, Path]:
+    """Return the scenarios of a folder by name; ``_name.toml`` is only a base."""
+    files = sorted(folder.glob("*.toml"))
+    return {
+        f.stem: f
+        for f in files
+        if f.name not in _NOT_SCENARIOS and not f.name.startswith("_")
+    }
+
+
+def scenario_name(file: Path) -> str:
+    """Return ``<study>/<scenario>`` for a study's file, the stem for any other."""
+    if file.resolve().parent.parent == STUDIES.resolve():
+        return f"{file.resolve().parent.name}/{file.stem}"
+    return file.stem
+
+
+def read_toml(file: Path) -> dict[str, Any]:
+    """Return the content of a TOML file, numbers with their decimal text.
+
+    Raises:
+        ScenarioError: the file cannot be read or is no TOML.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+        return tomllib.loads(text, parse_float=DecimalFloat)
+    except OSError as error:
+        raise ScenarioError(f"{file}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{file}: not valid TOML: {error}") from None
+
+
+def read_scenario(file: Path) -> dict[str, Any]:
+    """Return a scenario's tables with everything it inherits from its bases.
+
+    Raises:
+        ScenarioError: a base is missing, malformed or inherits from itself.
+    """
+    merged: dict[str, Any] = {}
+    for layer in _layers(file.resolve(), ()).values():
+        merged = _inherit(merged, layer)
+    return merged
+
+
+def _layers(file: Path, heirs: tuple[Path, ...]) -> dict[Path, dict[str, Any]]:
+    """Return the tables of a file behind those of its bases, each file once."""
+    raw = read_toml(file)
+    bases = raw.pop("base", [])
+    layers: dict[Path, dict[str, Any]] = {}
+    for base in bases if isinstance(bases, list) else [bases]:
+        parent = (file.parent / str(base)).resolve()
+        if not parent.is_file():
+            known = [f.name for f in file.parent.glob("*.toml")]
+            raise ScenarioError(
+                f"{file}: base: no file {str(base)!r} beside it; "
+                f"{did_you_mean(str(base), known)}"
+            )
+        if parent in (*heirs, file):
+            raise ScenarioError(f"{file}: base: {base} inherits from itself")
+        layers = {**layers, **_layers(parent, (*heirs, file))}
+    return {**layers, file: raw}
+
+
+def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
+    merged = _merge(base, layer)
+    for table in REMOVABLE:
+        entries = merged.get(table)
+        if not isinstance(entries, dict):
+            continue
+        gone = [key for key, value in entries.items() if value is False]
+        merged[table] = {k: v for k, v in entries.items() if v is not False}
+        if table == "components":
+            _detach(merged, gone, layer)
+    return merged
+
+
+def _detach(
+    merged: dict[str, Any], gone: Sequence[str], layer: Mapping[str, Any]
+) -> None:
+    """Drop the inherited connections and records of components that were removed."""
+    for table in ("connections", "faults", "record"):
+        own = layer.get(table, {})
+        entries = merged.get(table, {})
+        if not isinstance(entries, dict):
+            continue  # refused when the scenario is validated
+        merged[table] = {
+            key: value
+            for key, value in entries.items()
+            if key in own
+            or not any(
+                str(end).startswith(f"{component}.")
+                for component in gone
+                for end in (key, value)
+            )
+        }
+
+
+def _merge(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in layer.items():
+        old = merged.get(key)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        merged[key] = _merge(old, value) if both else value  # type: ignore[arg-type]
+    return merged
+
+
+def _copy(raw: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: _copy(v) if isinstance(v, dict) else v for k, v in raw.items()}
+
+
+def _swap(raw: dict[str, Any], component: str, swap: Mapping[str, Any]) -> None:
+    components = raw.get("components", {})
+    if component not in components:
+        raise ScenarioError(
+            f"--swap {component}: no such component; "
+            f"{did_you_mean(component, components)}"
+        )
+    old = components[component]
+    kept = {key: old[key] for key in _KEPT if key in old}
+    lost = [f"{t}.{key}" for t in ("parameters", "start") for key in old.get(t, {})]
+    if lost:
+        LOG.warning(
+            "--swap %s: the other FMU does not take over %s; set its own with --set",
+            component,
+            ", ".join(lost),
+        )
+    components[component] = {**kept, **swap}
+
+
+def _validate(raw: Mapping[str, Any], file: Path) -> Specification:
+    try:
+        return Specification.model_validate(raw, context=RateContext())
+    except ValidationError as error:
+        raise ScenarioError(f"{file}: " + "; ".join(complaints(error))) from None
+
+
+def complaints(error: ValidationError) -> Iterator[str]:
+    """Yield each complaint of pydantic with its key path, in plain words."""
+    for detail in error.errors(include_url=False):
+        where = list(detail["loc"])
+        if where[:1] == ["metrics"] and len(where) > 2:
+            del where[2]  # pydantic's name for the kind of metric
+        path = ".".join(f'"{p}"' if "." in str(p) else str(p) for p in where)
+        message = detail["msg"].removeprefix("Value error, ")
+        if detail["type"] == "missing":
+            message = "is missing"
+        yield f"{path}: {message}" if path else message

@@ -1,0 +1,273 @@
+"""The keys a scenario file may hold, their types and how they hang together.
+
+A rate name stands wherever a period may stand.  In ``connections`` and
+``record`` one ``*`` per name stands for any text, the same on both sides:
+``"controller.*" = "trajectory.*"`` connects every input of the controller to
+the trajectory's output of that name, ``"encoder.x_*" = "plant.x_*"`` likewise;
+a list of sources is tried in order of writing, and a line for a single input
+wins over a star.  A number as source is a constant.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Annotated, Any, Literal, TypeAlias
+
+import numpy as np
+from pydantic import (
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from orchestrator.errors import did_you_mean
+from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
+from orchestrator.quantity import parse_bytes, parse_period, parse_time
+from orchestrator.system import FaultKind, Kind, Value, split_name
+
+_RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
+
+
+@dataclass
+class RateContext:
+    """The rates of the scenario being validated, as far as they were read."""
+
+    rates: dict[str, Fraction] = field(default_factory=dict)
+
+
+def parse_value(value: Any) -> Value:
+    """Return the value of a parameter or state: number, switch or flat array.
+
+    Raises:
+        ValueError: not a number, or not a finite one.
+    """
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, list):
+        try:
+            array = np.array(value, dtype=float)
+        except (TypeError, ValueError):
+            raise ValueError(f"{value} is not an array of numbers") from None
+        if not np.all(np.isfinite(array)):
+            raise ValueError(f"{value} holds a number that is not finite")
+        return tuple(float(v) for v in array.ravel())
+    if not isinstance(value, int | float):
+        raise ValueError(f"{value!r} is not a number, true, false or an array")
+    if not np.isfinite(float(value)):
+        raise ValueError(f"{value} is not a finite number")
+    return float(value)
+
+
+def _period(value: Any, info: ValidationInfo) -> Fraction:
+    rates = info.context.rates if info.context else {}
+    if isinstance(value, str) and value in rates:
+        period: Fraction = rates[value]
+        return period
+    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_]\w*", value):
+        raise ValueError(f"there is no rate {value!r}; {did_you_mean(value, rates)}")
+    return parse_period(value)
+
+
+def _row(value: Any, info: ValidationInfo) -> Fraction | None:
+    return None if value is True else _period(value, info)
+
+
+def _source(value: Any) -> float | str | tuple[str, ...]:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and all(isinstance(v, str) for v in value):
+        return tuple(value)
+    number = parse_value(value)
+    if isinstance(number, tuple):
+        raise ValueError("a constant source is one number")
+    return float(number)
+
+
+Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
+Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
+Period: TypeAlias = Annotated[Fraction, PlainValidator(_period)]
+Row: TypeAlias = Annotated[Fraction | None, PlainValidator(_row)]
+Number: TypeAlias = Annotated[Value, PlainValidator(parse_value)]
+Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
+
+
+class MapSpec(Strict):
+    """A foreign variable under our name: theirs, gain, offset, unit of our side."""
+
+    name: str
+    gain: float = 1.0
+    offset: float = 0.0
+    unit: str | None = None
+
+
+class ComponentSpec(Strict):
+    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times."""
+
+    fmu: str
+    step: Period | None = None
+    offset: Time = Fraction(0)
+    latency: int = Field(default=0, ge=0)
+    kind: Kind | None = None
+    parameters: dict[str, Number] = Field(default_factory=dict)
+    start: dict[str, Number] = Field(default_factory=dict)
+    map: dict[str, MapSpec] = Field(default_factory=dict)
+    isolation: Literal["process", "none"] | None = None
+    answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
+    memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+
+    @field_validator("map", mode="before")
+    @classmethod
+    def _short_map(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        return {k: {"name": v} if isinstance(v, str) else v for k, v in value.items()}
+
+    @field_validator("offset")
+    @classmethod
+    def _not_before_zero(cls, value: Fraction) -> Fraction:
+        if value < 0:
+            raise ValueError(f"{value} is before the start at 0")
+        return value
+
+
+class DesignSpec(Strict):
+    """An offline step ``module:function`` whose result sets parameters.
+
+    ``arguments`` are numbers, switches, arrays, texts or ``component.parameter``;
+    ``signals`` of the scenario ``from_run`` are handed over as arrays with ``T_s``.
+    """
+
+    call: str = Field(pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$")
+    arguments: dict[str, Any] = Field(default_factory=dict)
+    sets: tuple[str, ...] = ()
+    from_run: str | None = None
+    signals: dict[str, str] = Field(default_factory=dict)
+
+    @field_validator("sets", mode="before")
+    @classmethod
+    def _one_or_more(cls, value: Any) -> Any:
+        return (value,) if isinstance(value, str) else tuple(value)
+
+    @field_validator("arguments")
+    @classmethod
+    def _arguments(cls, value: dict[str, Any]) -> dict[str, Any]:
+        return {
+            k: v if isinstance(v, str) else parse_value(v) for k, v in value.items()
+        }
+
+    @model_validator(mode="after")
+    def _signals_come_from_a_run(self) -> "DesignSpec":
+        if bool(self.signals) != (self.from_run is not None):
+            raise ValueError("from_run and signals are given together or not at all")
+        return self
+
+
+class FaultSpec(Strict):
+    """A fault of an input: its kind, number, and window [from, to) (s; always)."""
+
+    kind: FaultKind
+    value: float | None = None
+    samples: int | None = Field(default=None, ge=1)
+    window: Window | None = None
+
+    @model_validator(mode="after")
+    def _says_its_number(self) -> "FaultSpec":
+        needed = {"stuck": None, "delay": "samples"}.get(self.kind, "value")
+        for key in ("value", "samples"):
+            given = getattr(self, key) is not None
+            if given != (key == needed):
+                verb = "takes no" if given else "needs its"
+                raise ValueError(f"kind {self.kind!r} {verb} {key}")
+        if self.value is not None and not np.isfinite(self.value):
+            raise ValueError(f"value: {self.value} is not a finite number")
+        if self.kind == "quantisation" and not (self.value or 0) > 0:
+            raise ValueError("value: a quantum is greater than zero")
+        if self.window is not None and self.window[0] < 0:
+            raise ValueError("window: begins before the start at 0")
+        return self
+
+
+class Specification(Strict):
+    """All a scenario says, after inheritance and overrides."""
+
+    title: str = ""
+    description: str = ""
+    fmi: Literal[2, 3] = 2
+    stop: Annotated[Fraction, PlainValidator(parse_period)]
+    rates: dict[str, Rate] = Field(default_factory=dict)
+    components: dict[str, ComponentSpec] = Field(min_length=1)
+    connections: dict[str, Source] = Field(default_factory=dict)
+    faults: dict[str, tuple[FaultSpec, ...]] = Field(default_factory=dict)
+    design: dict[str, DesignSpec] = Field(default_factory=dict)
+    record: dict[str, Row] = Field(default_factory=dict)
+    metrics: dict[str, MetricSpec] = Field(default_factory=dict)
+    expect: dict[str, Expectation] = Field(default_factory=dict)
+    lock: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("rates")
+    @classmethod
+    def _share_rates(
+        cls, value: dict[str, Fraction], info: ValidationInfo
+    ) -> dict[str, Fraction]:
+        if info.context is not None:
+            info.context.rates.update(value)
+        return value
+
+    @field_validator("faults", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        one = {k: (v,) if isinstance(v, dict) else v for k, v in value.items()}
+        return {k: tuple(v) if isinstance(v, list) else v for k, v in one.items()}
+
+    @field_validator("components")
+    @classmethod
+    def _plain_names(cls, value: dict[str, ComponentSpec]) -> dict[str, ComponentSpec]:
+        for name in value:
+            if not re.fullmatch(r"[A-Za-z_]\w*", name) or name in _RESERVED:
+                raise ValueError(
+                    f"{name!r} cannot name a component: letters, digits and _ only, "
+                    f"and none of {', '.join(_RESERVED)}"
+                )
+        return value
+
+    @model_validator(mode="after")
+    def _ends_exist(self) -> "Specification":
+        for sink, source in self.connections.items():
+            ends = [sink, *(source if isinstance(source, tuple) else [source])]
+            for end in (e for e in ends if isinstance(e, str)):
+                self._variable(f'connections."{sink}"', end)
+                if end.count("*") > 1:
+                    raise ValueError(f'connections."{sink}": {end!r} has several *')
+        for name in self.faults:
+            self._variable(f'faults."{name}"', name)
+        for name in self.record:
+            self._variable(f'record."{name}"', name)
+        for name, metric in self.metrics.items():
+            for key, signal in metric.signals().items():
+                self._variable(f"metrics.{name}.{key}", signal)
+        for name, step in self.design.items():
+            for component in step.sets:
+                _one_of(f"design.{name}.sets", "component", component, self.components)
+        for name in self.expect:
+            metric_name = name.rpartition(".")[0]
+            _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)
+        return self
+
+    def _variable(self, path: str, variable: str) -> None:
+        component, name = split_name(variable)
+        _one_of(path, "component", component, self.components)
+        if not name:
+            raise ValueError(f"{path}: write {component}.<variable>, not {variable!r}")
+
+
+def _one_of(
+    path: str, noun: str, name: str, known: Mapping[str, Any] | Iterable[str]
+) -> None:
+    if name not in known:
+        remedy = did_you_mean(name, known)
+        raise ValueError(f"{path}: there is no {noun} {name!r}; {remedy}")

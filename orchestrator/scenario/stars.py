@@ -1,0 +1,134 @@
+"""Connections and records written with a star, opened to single variables.
+
+One ``*`` stands for any text, the same on both sides.  A line for a single
+input wins over a star; a source that is a number becomes a start value.
+"""
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+
+from orchestrator.errors import WiringError, did_you_mean
+from orchestrator.fmu import FmuDescription
+from orchestrator.ports import ports
+from orchestrator.scenario.schema import Specification
+from orchestrator.system import Component, Value, split_name
+
+
+def open_connections(
+    spec: Specification,
+    components: Mapping[str, Component],
+    fmus: Mapping[str, FmuDescription],
+) -> tuple[dict[str, str], dict[str, dict[str, Value]]]:
+    """Return connections by sink with stars opened, and constants by component.
+
+    Raises:
+        WiringError: a star connects nothing or an input twice, a constant goes to
+            what is no input.
+    """
+    opened: dict[str, str | float] = {}
+    for sink, source in spec.connections.items():
+        if "*" not in sink:
+            if isinstance(source, tuple) or (isinstance(source, str) and "*" in source):
+                raise WiringError(
+                    f"connections.{sink!r}: a single input takes a single source, "
+                    f"not {source!r}"
+                )
+            opened[sink] = source
+    for sink, source in spec.connections.items():
+        if "*" in sink:
+            found = dict(_open(sink, source, components, fmus))
+            if not found:
+                raise WiringError(
+                    f"connections.{sink!r} = {source!r}: no input there has the name "
+                    f"of an output here"
+                )
+            twice = [s for s in found if s in opened and s not in spec.connections]
+            if twice:
+                raise WiringError(f"connections.{sink!r}: drives {twice[0]} again")
+            opened = {**found, **opened}
+    connections = {k: v for k, v in opened.items() if isinstance(v, str)}
+    constants: dict[str, dict[str, Value]] = {}
+    for sink, source in opened.items():
+        if not isinstance(source, str):
+            component, variable = split_name(sink)
+            _refuse_no_input(sink, components[component], fmus[component])
+            constants.setdefault(component, {})[variable] = source
+    return connections, constants
+
+
+def _open(
+    sink: str,
+    source: float | str | tuple[str, ...],
+    components: Mapping[str, Component],
+    fmus: Mapping[str, FmuDescription],
+) -> Iterator[tuple[str, str | float]]:
+    component, pattern = split_name(sink)
+    sources = source if isinstance(source, tuple) else (source,)
+    inputs = names(components[component], fmus[component], "input")
+    for name in inputs:
+        star = _match(pattern, name)
+        if star is None:
+            continue
+        for candidate in sources:
+            if not isinstance(candidate, str):
+                yield f"{component}.{name}", candidate
+                break
+            owner, output = split_name(candidate.replace("*", star))
+            if output in names(components[owner], fmus[owner], "output"):
+                yield f"{component}.{name}", f"{owner}.{output}"
+                break
+
+
+def _match(pattern: str, name: str) -> str | None:
+    """Return the text that the one ``*`` of a pattern stands for."""
+    before, _, after = pattern.partition("*")
+    long_enough = len(name) >= len(before) + len(after)
+    if long_enough and name.startswith(before) and name.endswith(after):
+        return name[len(before) : len(name) - len(after)]
+    return None
+
+
+def names(component: Component, fmu: FmuDescription, causality: str) -> list[str]:
+    """Return a component's inputs or outputs by the names a scenario uses."""
+    theirs = {mapped.name: ours for ours, mapped in component.map.items()}
+    found = fmu.inputs if causality == "input" else fmu.outputs
+    return [theirs.get(name, name) for name in found]
+
+
+def _refuse_no_input(sink: str, component: Component, fmu: FmuDescription) -> None:
+    _, variable = split_name(sink)
+    for port in ports(component, fmu, variable):
+        if port.variable.causality != "input":
+            known = names(component, fmu, "input")
+            raise WiringError(
+                f"connections.{sink!r}: {variable} is no input of {component.name}; "
+                f"{did_you_mean(variable, known)}"
+            )
+
+
+def open_record(
+    spec: Specification,
+    components: Mapping[str, Component],
+    fmus: Mapping[str, FmuDescription],
+) -> dict[str, Fraction]:
+    """Return the row period of each recorded variable; a star takes all outputs.
+
+    Raises:
+        WiringError: no output fits the star.
+    """
+    record = {}
+    for variable, row in spec.record.items():
+        component, pattern = split_name(variable)
+        part = components[component]
+        wanted = [pattern]
+        if "*" in pattern:
+            outputs = names(part, fmus[component], "output")
+            wanted = [n for n in outputs if _match(pattern, n) is not None]
+            if not wanted:
+                raise WiringError(
+                    f"record.{variable!r}: {component} has no such output; "
+                    f"{did_you_mean(pattern, outputs)}"
+                )
+        for name in wanted:
+            record[f"{component}.{name}"] = row or part.period
+    return record

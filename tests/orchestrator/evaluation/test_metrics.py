@@ -1,0 +1,148 @@
+"""Figures of recorded signals, against formulas worked out by hand."""
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from orchestrator.errors import ScenarioError
+from orchestrator.evaluation.expectation import check
+from orchestrator.evaluation.metrics import evaluate
+from orchestrator.evaluation.schema import Expectation, MetricSpec
+from orchestrator.quantity import Quantity
+from orchestrator.result import Signal
+
+TIME = np.arange(2001) / 1000
+
+
+def signal(values, unit="rad", time=TIME, name="plant.x"):
+    return Signal(name, time, np.broadcast_to(values, time.shape).astype(float), unit)
+
+
+def figures(metric, signals, parameters=None):
+    spec = TypeAdapter(MetricSpec).validate_python(metric)
+    table = parameters or {}
+    return evaluate({"m": spec}, signals, lambda name: table[name])
+
+
+def test_an_error_is_reference_minus_actual_in_the_unit_asked_for():
+    signals = {"plant.x": signal(1.0 + 0.5 * TIME), "trajectory.x": signal(1.0)}
+    found = figures(
+        {
+            "kind": "error",
+            "of": "plant.x",
+            "against": "trajectory.x",
+            "scale": "plant.r_g",
+            "unit": "mm",
+        },
+        signals,
+        {"plant.r_g": Quantity(0.01, "m/rad")},
+    )
+    assert found["m.peak"] == Quantity(pytest.approx(10.0), "mm")
+    assert found["m.mean"].value == pytest.approx(-5.0)
+    assert found["m.rms"].value == pytest.approx(
+        1000 * 0.01 * 0.5 * np.sqrt(np.mean(TIME**2))
+    )
+
+
+def test_signals_of_different_rows_are_never_compared():
+    signals = {"plant.x": signal(0.0), "t.x": signal(0.0, time=TIME[::2])}
+    with pytest.raises(ScenarioError, match="one rate"):
+        figures({"kind": "error", "of": "plant.x", "against": "t.x"}, signals)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [("peak", 3.0), ("max", 1.0), ("min", -3.0), ("final", 1.0), ("mean", -1.0)],
+)
+def test_plain_figures(kind, value):
+    signals = {"plant.x": signal(1.0 - 4.0 * (TIME < 1.0005))}
+    found = figures({"kind": kind, "of": "plant.x", "window": ["0.001", 2]}, signals)
+    assert found == {f"m.{kind}": Quantity(pytest.approx(value, abs=2e-3), "rad")}
+
+
+def test_a_window_counts_both_its_ends():
+    signals = {"plant.x": signal(TIME)}
+    window = ["0.1", "0.3"]
+    for kind, value in (("min", 0.1), ("max", 0.3)):
+        found = figures({"kind": kind, "of": "plant.x", "window": window}, signals)
+        assert found[f"m.{kind}"].value == value
+    with pytest.raises(ScenarioError, match="no row"):
+        figures({"kind": "rms", "of": "plant.x", "window": [5, 6]}, signals)
+
+
+def test_settling_is_the_first_row_after_which_the_band_is_kept():
+    decay = signal(np.where(TIME >= 0.5, np.exp(-(TIME - 0.5) / 0.1), 0.0))
+    metric = {"kind": "settling", "of": "plant.x", "window": ["1/2", 2]}
+    found = figures(metric, {"plant.x": decay})
+    assert found["m.settling"] == Quantity(pytest.approx(0.300), "s")
+    assert 0.1 * np.log(20) == pytest.approx(0.2996, abs=1e-4)
+    assert found["m.peak"].value == 1.0
+    assert found["m.peak_time"].value == 0.0
+
+
+def test_what_does_not_settle_is_said_so():
+    ringing = signal(np.sin(2 * np.pi * 5.3 * TIME))
+    with pytest.raises(ScenarioError, match="later stop"):
+        figures({"kind": "settling", "of": "plant.x"}, {"plant.x": ringing})
+
+
+def test_the_ratio_of_two_sines_is_gain_and_phase():
+    omega = 2 * np.pi * 7.3
+    signals = {
+        "plant.x": signal(0.2 + 3.0 * np.sin(omega * TIME - 0.4), "um"),
+        "source.u": signal(1.5 * np.sin(omega * TIME + 0.3), "V"),
+    }
+    metric = {"kind": "sine", "of": "plant.x", "frequency_hz": "source.f_hz"}
+    parameters = {"source.f_hz": Quantity(7.3, "Hz")}
+    alone = figures(metric, signals, parameters)
+    assert alone["m.amplitude"] == Quantity(pytest.approx(3.0), "um")
+    both = figures(metric | {"against": "source.u"}, signals, parameters)
+    assert both["m.ratio"] == Quantity(pytest.approx(2.0), "um/V")
+    assert both["m.phase"] == Quantity(pytest.approx(np.degrees(-0.7)), "deg")
+
+
+def test_a_spectral_line_has_the_amplitude_of_its_sine():
+    signals = {"plant.x": signal(0.5 * np.sin(2 * np.pi * 43.0 * TIME) + 2.0)}
+    metric = {"kind": "spectrum", "of": "plant.x", "frequency_hz": 43.0}
+    found = figures(metric, signals)
+    assert found["m.amplitude"].value == pytest.approx(0.5, rel=2e-3)
+    assert found["m.frequency"] == Quantity(pytest.approx(43.0, abs=0.3), "Hz")
+
+
+def test_per_divides_by_a_parameter_with_its_unit():
+    signals = {"plant.x": signal(6.0, "um")}
+    metric = {"kind": "peak", "of": "plant.x", "per": "rope.size", "unit": "um/V"}
+    found = figures(metric, signals, {"rope.size": Quantity(2.0, "V")})
+    assert found["m.peak"] == Quantity(3.0, "um/V")
+
+
+@pytest.mark.parametrize(
+    ("metric", "remedy"),
+    [
+        ({"kind": "peak", "of": "plant.y"}, "plant.x"),
+        ({"kind": "peak", "of": "plant.x", "unit": "V"}, "metrics.m"),
+        ({"kind": "peak", "of": "plant.x", "per": 0.0}, "zero"),
+    ],
+)
+def test_a_metric_that_cannot_be_taken_is_named(metric, remedy):
+    with pytest.raises(ScenarioError, match=r"metrics\.m") as refusal:
+        figures(metric, {"plant.x": signal(1.0)})
+    assert remedy in str(refusal.value)
+
+
+def test_expectations_convert_units_and_refuse_not_a_number():
+    found = {"m.peak": Quantity(2.49, "um"), "m.rms": Quantity(float("nan"), "um")}
+
+    def met(**bounds):
+        (result,) = check({"m.peak": Expectation(**bounds)}, found)
+        return result.met
+
+    assert met(below=2.5, unit="um")
+    assert not met(below=2.49, unit="um")
+    assert met(above=2.4e-3, below=2.5e-3, unit="mm")
+    assert met(near=2.490, within=0.005)
+    assert not met(near=2.480, within=0.005)
+    (result,) = check({"m.rms": Expectation(below=1.0)}, found)
+    assert not result.met
+    with pytest.raises(ScenarioError, match=r"m\.peak"):
+        check({"m.paek": Expectation(below=1.0)}, found)
