@@ -19,7 +19,9 @@ from orchestrator.errors import SimulationError
 from orchestrator.timetable import table_name
 from orchestrator.wiring import Column
 
-CHUNK = 4096  # rows collected at most
+# rows collected at most; a cache line beyond a power of two, lest all columns share
+# the same few lines of the cache
+CHUNK = 4096 + 8
 GROUP = 1 << 17  # rows of a Parquet row group, about
 # signals hardly repeat: a dictionary takes nine times as long and twice the space
 PARQUET: dict[str, Any] = {

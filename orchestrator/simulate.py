@@ -9,9 +9,10 @@
    what was unpacked.  Rows recorded before a failure stay readable.
 """
 
+import gc
 import logging
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -87,8 +88,11 @@ def simulate(
         recorder = Recorder(folder / "result", wiring.tables, vector)
         complete = False
         try:
-            engine = _engine(executor, timetable, instances, vector, recorder, profile)
-            timing = _execute(timetable, engine, recorder, progress)
+            with _older_objects_left_alone():
+                engine = _engine(
+                    executor, timetable, instances, vector, recorder, profile
+                )
+                timing = _execute(timetable, engine, recorder, progress)
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
                 timing = replace(timing, profile=where)
@@ -96,6 +100,22 @@ def simulate(
         finally:
             recorder.close(complete=complete)
     return Result(folder, timing)
+
+
+@contextmanager
+def _older_objects_left_alone() -> Iterator[None]:
+    """Spare the run walks of the garbage collector over all there was before it.
+
+    With 200 FMUs one walk takes 100 ms, as long as 6,000 steps.
+    """
+    if gc.get_freeze_count():  # the caller's own choice, or another run's
+        yield
+        return
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def _engine(
