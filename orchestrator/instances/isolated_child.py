@@ -186,7 +186,7 @@ def _end_with_master(folder: Path) -> NoReturn:
     master = mp.parent_process()
     assert master is not None
     wait([master.sentinel])
-    for _ in range(100):  # its lock on the folder may fall a little later
+    for _ in range(1000):  # its lock on the folder may fall a little later
         sweep()
         if not folder.exists():
             break
