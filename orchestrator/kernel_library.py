@@ -1,4 +1,4 @@
-"""The compiled kernel and its structures, as kernel.c and channel.c declare them.
+"""The compiled kernel and its structures, as kernel.h and channel.c declare them.
 
 Compiled once per digest of its source with the compiler and the flags of the
 FMUs, and kept in their cache.
@@ -17,6 +17,7 @@ SOURCES = [
     Path(__file__).parent / name
     for name in (
         "kernel.c",
+        "kernel.h",
         "instances/channel.c",
         "instances/turn.c",
         "instances/turn.h",
