@@ -23,6 +23,7 @@ from fmus.closure import closure
 from fmus.python_fmu import python_binaries
 
 MODELS = Path(__file__).parent / "small_models"
+COUNTER = MODELS.parents[1] / "orchestrator" / "models" / "counter.py"
 HELD = 8  # 0.4 ms of dead time in steps of 0.05 ms
 
 
@@ -105,6 +106,20 @@ def test_dead_time_is_exact_and_advance_is_used(slave):
         arrived = inputs[k - HELD] if k >= HELD else 0.25
         x = arrived + (x - arrived) * np.exp(-h / T)
         assert read(fmu, "y") == pytest.approx([x], rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_a_master_that_adds_up_its_steps_gets_one_tick_in_each(slave, kind):
+    fmu = slave(build(str(COUNTER), kind=kind))
+    fmu.setupExperiment(startTime=5000.0)  # where sums are rounded coarsely
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    t, T_s = 5000.0, 1e-3
+    for k in range(6000):
+        fmu.doStep(t, T_s)
+        t += T_s
+        assert read(fmu, "k") == [float(k)]
+    assert t - (5000.0 + 6000 * T_s) > 1e-6 * T_s  # else it proves nothing
 
 
 @pytest.mark.parametrize("kind", ["native", "python"])
