@@ -74,6 +74,7 @@ class FmuDescription:
 
     ``dependencies`` maps every output to the inputs it depends on directly
     while stepping, ``initial_dependencies`` in initialisation; None means all.
+    ``internal_step`` (s) is what communication steps should be a multiple of.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
     reference of the input clock with that period, if it has one.
     """
@@ -89,6 +90,7 @@ class FmuDescription:
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
     variable_step: bool
+    internal_step: Fraction | None
     needs_execution_tool: bool
     once_per_process: bool
     co_simulation: bool
@@ -191,6 +193,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
+        internal_step=_internal_step(root),
         needs_execution_tool=bool(interface and interface.needsExecutionTool),
         once_per_process=bool(
             interface and interface.canBeInstantiatedOnlyOncePerProcess
@@ -203,6 +206,14 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
     )
+
+
+def _internal_step(root: Any) -> Fraction | None:
+    for element in root.iter("CoSimulation"):
+        written = element.get("fixedInternalStepSize")
+        if written and float(written) > 0:
+            return Fraction(written)
+    return None
 
 
 def _clock(variables: list[Any]) -> int | None:

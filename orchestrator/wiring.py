@@ -17,6 +17,8 @@ from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
 
+ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
+
 
 @dataclass(frozen=True)
 class Copy:
@@ -203,6 +205,7 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
         )
     if kind == "sampled" or fmu.variable_step:
         return
+    _refuse_no_multiple(where, c, fmu)
     if c.offset:
         raise ScheduleError(
             f"{where}.offset: {fmu.path.name} has a fixed step and cannot start with a "
@@ -213,6 +216,20 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
         raise ScheduleError(
             f"stop = {system.stop} s: {c.name} ({fmu.path.name}) only takes steps of "
             f"{c.period} s; the nearest stops are {low} and {low + c.period} s"
+        )
+
+
+def _refuse_no_multiple(where: str, c: Component, fmu: FmuDescription) -> None:
+    """FMI 3.0.2 section 4.2: steps are multiples of fixedInternalStepSize."""
+    if fmu.internal_step is None:
+        return
+    ratio = c.period / fmu.internal_step
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > ROUNDED * ratio:
+        below = max(1, int(ratio)) * fmu.internal_step
+        raise ScheduleError(
+            f"{where}.step = {c.period} s: {fmu.path.name} steps by "
+            f"{float(fmu.internal_step):g} s inside (fixedInternalStepSize) and takes "
+            f"whole multiples of that only, such as {float(below):g} s; set step"
         )
 
 

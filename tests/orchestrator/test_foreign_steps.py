@@ -3,14 +3,16 @@
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 from broken import MISBEHAVES, MODES, pack
+from foreign import foreign
 from systems import part, system
 
 from orchestrator.errors import ScheduleError, SimulationError
-from orchestrator.simulate import simulate
+from orchestrator.simulate import plan, simulate
 from orchestrator.system import Component, System
 
 FIXED = MISBEHAVES.replace('StepSize="true"', 'StepSize="false"')
@@ -53,6 +55,32 @@ def test_a_stop_or_offset_that_fixed_steps_cannot_meet_is_refused(
         simulate(replace(mixed(fmu), stop=Fraction("21/2000")), tmp_path)
     with pytest.raises(ScheduleError, match=r"has a fixed step and cannot start with"):
         simulate(mixed(fmu, offset=Fraction("1/2000")), tmp_path)
+
+
+@pytest.mark.parametrize("inside", ["5e-5", "0.001", "3.33333333e-4"])
+def test_steps_are_whole_multiples_of_the_step_inside(
+    tmp_path: Path, inside: str
+) -> None:
+    assert plan(stepping_by(inside, tmp_path))
+
+
+@pytest.mark.parametrize("inside", ["3e-5", "0.002", "0.0007"])
+def test_no_multiple_of_the_step_inside_is_refused(tmp_path: Path, inside: str) -> None:
+    with pytest.raises(ScheduleError, match="fixedInternalStepSize.* set step"):
+        plan(stepping_by(inside, tmp_path))
+
+
+def stepping_by(inside: str, folder: Path) -> System:
+    """Return a foreign FMU at 1 ms that steps by ``inside`` s."""
+    whole, changed = foreign(3, folder), folder / "changed.fmu"
+    with ZipFile(whole) as old, ZipFile(changed, "w") as new:
+        for name in old.namelist():
+            text = old.read(name)
+            if name == "modelDescription.xml":
+                fixed = f'StepSize="false" fixedInternalStepSize="{inside}"'
+                text = text.replace(b'StepSize="true"', fixed.encode())
+            new.writestr(name, text)
+    return system("1/100", [Component("theirs", changed, Fraction("1/1000"))])
 
 
 def test_start_values_of_an_fmu_hold_unless_the_scenario_gives_others(
