@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from orchestrator.cli.output import print_table, waiting
 from orchestrator.cli.running import load, simulate
 
@@ -18,12 +20,16 @@ if TYPE_CHECKING:
     from orchestrator.scenario.reading import Scenario
 
 ORIGINAL = "original"
+OF_BOTH = ("step", "offset", "latency")
 
 
 def load_original(
     name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
 ) -> "Scenario":
-    """Return the scenario without the swaps and what is set on what was swapped.
+    """Return the scenario without the swaps, with all else that is set on it.
+
+    What is set on a swapped component holds for the original too, so that the two
+    differ by the swap alone; what the original has not is left out, and named.
 
     Raises:
         ScenarioError: a foreign FMU has other names and there is no map; the
@@ -34,11 +40,27 @@ def load_original(
     from orchestrator.session import naming, run_earlier
 
     tables = parse_swaps(swaps, maps)
-    kept = [text for text in sets if text.partition(".")[0].strip() not in tables]
-    original = load(name, kept, [], [], fmi)
+    elsewhere = [text for text in sets if text.partition(".")[0].strip() not in tables]
+    original = load(name, elsewhere, [], [], fmi)
     with naming(original), waiting("comparing names"):
-        _refuse_other_names(compose(original, run_earlier), tables)
-    return original
+        composition = compose(original, run_earlier)
+        _refuse_other_names(composition, tables)
+    kept = [text for text in sets if text in elsewhere or _shared(text, composition)]
+    for text in sets:
+        if text not in kept:
+            typer.echo(f"original: without --set {text}, which it lacks", err=True)
+    return load(name, kept, [], [], fmi)
+
+
+def _shared(text: str, original: "Composition") -> bool:
+    """Tell whether what is set on a swapped component exists in the original."""
+    from orchestrator.scenario.propose import missing_names
+
+    component, _, rest = text.partition("=")[0].strip().partition(".")
+    if rest in OF_BOTH:
+        return True
+    name = rest.removeprefix("parameters.").removeprefix("start.")
+    return not missing_names([name], original.fmus[component])
 
 
 def _refuse_other_names(

@@ -16,8 +16,14 @@ from typing import TypeAlias
 
 from fmus.build import BuildError, build, load_model
 from fmus.model import Sampled
-from orchestrator.errors import DesignError, ScenarioError, did_you_mean
+from orchestrator.errors import (
+    DesignError,
+    ScenarioError,
+    WiringError,
+    did_you_mean,
+)
 from orchestrator.fmu import FmuDescription, read_fmu
+from orchestrator.ports import ports
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
@@ -30,7 +36,15 @@ from orchestrator.scenario.schema import (
 )
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.values import Part, Values
-from orchestrator.system import Component, Fault, Isolation, Mapped, System, Value
+from orchestrator.system import (
+    Component,
+    Fault,
+    Isolation,
+    Mapped,
+    System,
+    Value,
+    split_name,
+)
 
 RunEarlier: TypeAlias = Callable[[str], Result]
 
@@ -92,7 +106,10 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         )
         for name in spec.components
     }
+    for name, component in components.items():
+        _refuse_unknown_names(component, fmus[name])
     connections, constants = open_connections(spec, components, fmus)
+    _refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
         start = {**components[name].start, **values}
         components[name] = replace(components[name], start=start)
@@ -176,6 +193,52 @@ def _refuse_other_content(scenario: Scenario, digests: Mapping[str, str]) -> Non
             raise ScenarioError(
                 f"{scenario.file}: components.{name}: the FMU differs from the one "
                 f"that was locked; restore that file, or run {scenario.name} itself"
+            )
+
+
+def _refuse_unknown_names(component: Component, fmu: FmuDescription) -> None:
+    for ours, mapped in component.map.items():
+        try:
+            ports(component, fmu, ours)
+        except WiringError:
+            raise WiringError(
+                f"components.{component.name}.map: {ours} is {mapped.name!r} there, "
+                f"but {fmu.path.name} has no such variable; "
+                f"{did_you_mean(mapped.name, fmu.variables)}"
+            ) from None
+
+
+def _refuse_lost_inputs(
+    scenario: Scenario,
+    connections: Mapping[str, str],
+    constants: Mapping[str, Mapping[str, Value]],
+) -> None:
+    """Refuse a swap after which an input elsewhere, fed by a star, is fed no more."""
+    spec, before = scenario.spec, scenario.nominal
+    swapped = [
+        name
+        for name, c in spec.components.items()
+        if name in before.components
+        and (c.fmu, c.map) != (before.components[name].fmu, before.components[name].map)
+    ]
+    if not swapped:
+        return
+    found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
+    fmus = {name: read_fmu(place.path) for name, place in found.items()}
+    components = {
+        name: _component(name, c, found[name], {})
+        for name, c in before.components.items()
+    }
+    original, _ = open_connections(before, components, fmus)
+    for sink, source in original.items():
+        component, variable = split_name(sink)
+        fed = sink in connections or variable in constants.get(component, {})
+        if not fed and component in spec.components and component not in swapped:
+            owner, output = split_name(source)
+            raise WiringError(
+                f"components.{owner}: nothing feeds {sink} any more, which {output} "
+                f"of the original fed; say in the map what {output} is called in "
+                f"{spec.components[owner].fmu}"
             )
 
 

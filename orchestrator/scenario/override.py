@@ -96,7 +96,7 @@ def parse_swaps(swaps: Sequence[str], maps: Sequence[str]) -> dict[str, dict[str
 
 
 def parse_map(text: str) -> Any:
-    """Return a map given as the path of a TOML file or as inline TOML.
+    """Return a map given as the path of a TOML file, as its lines, or inline.
 
     Raises:
         ScenarioError: it can be read as neither.
@@ -104,6 +104,8 @@ def parse_map(text: str) -> Any:
     try:
         if text.endswith(".toml"):
             return tomllib.loads(Path(text).read_text(encoding="utf-8"))
+        if "\n" in text.strip():
+            return tomllib.loads(text)
         return tomllib.loads(f"map = {{{text}}}")["map"]
     except OSError as error:
         raise ScenarioError(

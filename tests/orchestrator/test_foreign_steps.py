@@ -66,7 +66,7 @@ def test_steps_are_whole_multiples_of_the_step_inside(
 
 @pytest.mark.parametrize("inside", ["3e-5", "0.002", "0.0007"])
 def test_no_multiple_of_the_step_inside_is_refused(tmp_path: Path, inside: str) -> None:
-    with pytest.raises(ScheduleError, match="fixedInternalStepSize.* set step"):
+    with pytest.raises(ScheduleError, match=r"fixedInternalStepSize.* set step"):
         plan(stepping_by(inside, tmp_path))
 
 

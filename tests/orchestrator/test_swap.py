@@ -50,13 +50,13 @@ def figures(*arguments: str) -> dict[str, float]:
     return {name: figure["value"] for name, figure in metrics.items()}
 
 
-@pytest.mark.parametrize("written", ["file", "inline"])
+@pytest.mark.parametrize("written", ["file", "inline", "lines"])
 def test_a_disguised_plant_gives_the_same_figures(
     supplied: Path, tmp_path: Path, written: str
 ) -> None:
     table = tmp_path / "map.toml"
     table.write_text(MAP)
-    chosen = str(table) if written == "file" else INLINE
+    chosen = {"file": str(table), "inline": INLINE, "lines": MAP}[written]
     ours = figures("-o", str(tmp_path / "ours"))
     theirs = figures(
         *("--swap", f"plant={supplied}", "--map", chosen),
@@ -85,3 +85,35 @@ def test_a_fixed_step_and_a_stop_it_cannot_meet_are_refused(supplied: Path) -> N
     )
     assert result.exit_code == 2
     assert "nearest stops are 1/10 and 2001/20000 s" in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize(
+    ("careless", "said"),
+    [
+        (INLINE.replace('"screw"', '"scrw"'), "map: x_1 is 'scrw' there.* 'screw'"),
+        (
+            INLINE.replace("x_1 = ", "x1 = "),
+            "nothing feeds encoder.x_1 any more, which x_1 of the original fed",
+        ),
+        (INLINE.partition(", x_1")[0] + INLINE[INLINE.index(", x_2") :], "encoder.x_1"),
+    ],
+)
+def test_a_map_that_would_open_the_loop_is_refused(
+    supplied: Path, careless: str, said: str
+) -> None:
+    swap = ("--swap", f"plant={supplied}", "--map", careless)
+    result = CliRunner().invoke(app, ["run", SCENARIO, *swap])
+    assert result.exit_code == 2
+    assert re.search(said, " ".join(result.output.split()))
+
+
+def test_what_is_set_on_a_swapped_component_holds_for_the_original(
+    supplied: Path, tmp_path: Path
+) -> None:
+    swap = ("--swap", f"plant={supplied}", "--map", INLINE, "-o", str(tmp_path / "x"))
+    sets = ("--set", "plant.step=1/30000", "--set", "plant.drive.m_2=0.5e-3")
+    result = CliRunner().invoke(app, ["run", SCENARIO, *swap, *sets])
+    assert result.exit_code == 0, result.output
+    assert "original: without --set plant.drive.m_2=0.5e-3" in result.output
+    lock = (tmp_path / "x" / "original" / "scenario.lock.toml").read_text()
+    assert "1/30000" in lock
