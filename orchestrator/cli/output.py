@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
 from math import isfinite
+from textwrap import fill
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ParamSpec
 
@@ -80,29 +81,55 @@ def _finite(value: Any) -> Any:
 def print_table(
     head: Sequence[str], rows: Sequence[Sequence[str]], title: str = ""
 ) -> None:
-    """Print a table on stdout; columns headed ``>name`` are aligned right."""
+    """Print a table on stdout; columns headed ``>name`` are aligned right.
+
+    On a terminal too narrow for it every row becomes a paragraph: nothing is cut.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)
+    names = [name.removeprefix(">") for name in head]
+    widths = [
+        max(len(name), _least_width([r[i] for r in rows], last=i == len(head) - 1))
+        for i, name in enumerate(names)
+    ]
+    if sum(widths) + 3 * len(head) > console.width:
+        _print_paragraphs(names, rows, title, console.width)
+        return
     table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
-    for place, name in enumerate(head):
-        cells = [row[place] for row in rows]
-        last = place == len(head) - 1
-        words = [word for cell in cells for word in (cell.split() if last else [cell])]
+    for name, width in zip(head, widths, strict=True):
         table.add_column(
             name.removeprefix(">"),
             justify="right" if name.startswith(">") else "left",
-            min_width=min(48, max(map(len, words), default=0)),
+            min_width=width,
             overflow="fold",
         )
     for row in rows:
         table.add_row(*(Text(cell) for cell in row))
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)
     console.print(table)
+
+
+def _print_paragraphs(
+    names: Sequence[str], rows: Sequence[Sequence[str]], title: str, width: int
+) -> None:
+    typer.echo(f"\n{title}\n" if title else "")
+    for row in rows:
+        told = zip(names[1:], row[1:], strict=True)
+        facts = "; ".join(f"{name} {cell}" for name, cell in told if cell)
+        typer.echo(row[0])
+        if facts:
+            typer.echo(fill(facts, width, initial_indent="  ", subsequent_indent="  "))
+
+
+def _least_width(cells: Sequence[str], *, last: bool) -> int:
+    """Return the width of a column that is not folded; the last one may wrap."""
+    words = [word for cell in cells for word in (cell.split() if last else [cell])]
+    return min(48, max(map(len, words), default=0))
 
 
 @cache
