@@ -2,6 +2,7 @@
 
 from orchestrator.checks import (
     compiling,
+    dependencies,
     derivatives,
     files,
     hosting,
@@ -15,6 +16,7 @@ from orchestrator.checks.item import REGISTRY, Item
 
 MODULES = (
     compiling,
+    dependencies,
     derivatives,
     files,
     hosting,
