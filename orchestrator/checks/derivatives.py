@@ -15,6 +15,7 @@ from orchestrator.checks.moment import (
     real_inputs,
     unknowns,
 )
+from orchestrator.fmu import FmuVariable
 
 DIRECTIONAL = "providesDirectionalDerivatives"  # FMI 2 without the s
 ADJOINT = "providesAdjointDerivatives"
@@ -24,7 +25,7 @@ FROM_START = 5  # steps before derivatives are asked for once more
 @dynamic(
     22,
     "Directional and adjoint derivatives are those of the model",
-    "FMI 2.0.5 section 2.1.9; FMI 3.0.2 (partial derivatives)",
+    "FMI 2.0.5 section 2.1.9; FMI 3.0.2 section 2.2.11",
     "differentiate the equations that are evaluated, where they are evaluated",
 )
 def directional(lab: Laboratory) -> Iterator[Said]:
@@ -141,22 +142,66 @@ def _element(of: Known | Unknown, place: int) -> str:
 
 @dynamic(
     23,
-    "Derivatives of inputs are used or refused",
-    "FMI 2.0.5 sections 4.2.1, 4.3.1 (canInterpolateInputs)",
-    "return Error from fmi2SetRealInputDerivatives unless canInterpolateInputs",
+    "Derivatives of inputs and outputs are right or refused",
+    "FMI 2.0.5 sections 4.2.1, 4.3.1 (canInterpolateInputs, maxOutputDerivativeOrder); "
+    "FMI 3.0.2 section 2.2.12",
+    "return Error unless canInterpolateInputs or maxOutputDerivativeOrder promise them",
 )
-def input_derivatives(lab: Laboratory) -> Iterator[Said]:
+def in_time(lab: Laboratory) -> Iterator[Said]:
     lab.needs_co_simulation()
     inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
-    if lab.description.fmi_major != 2 or not inputs:
-        raise NotApplicable("it is of FMI 3 or has no real input")
+    outputs = [
+        v
+        for v in lab.variables(causality="output", variability="continuous")
+        if v.sort == "real" and not v.shape
+    ]
+    if not inputs and not outputs:
+        raise NotApplicable("it has no real input and no continuous output")
+    if inputs and lab.description.fmi_major == 2:
+        yield from _of_input(lab, inputs[0])
+    if outputs:
+        yield from _of_outputs(lab, outputs)
+
+
+def _of_input(lab: Laboratory, variable: FmuVariable) -> Iterator[Said]:
     declared = bool(lab.interface.canInterpolateInputs)
     with lab.running() as one:
         lab.trying("setting the derivative of an input")
-        reference = [inputs[0].reference]
+        reference = [variable.reference]
         status = one.status(one.fmu.setRealInputDerivatives, reference, [1], [0.0])
     if declared and status != OK:
         yield Finding(f"canInterpolateInputs = true, but it returns {STATUS[status]}")
     if not declared and status == OK:
         yield advice("canInterpolateInputs = false, but a derivative is accepted")
     yield f"canInterpolateInputs = {declared}, the call returns {STATUS[status]}"
+
+
+def _of_outputs(lab: Laboratory, outputs: list[FmuVariable]) -> Iterator[Said]:
+    order = int(lab.interface.maxOutputDerivativeOrder or 0)
+    references = [v.reference for v in outputs]
+    with lab.running() as one:
+        one.run(2 * FROM_START)
+        rows = []
+        given: list[float] = []
+        for _ in range(3):  # one-sided differences need a step before and after
+            one.run(1, excited=False)
+            rows.append(np.array([one.get(v)[0] for v in outputs]))
+            if len(rows) == 2:
+                lab.trying("asking for derivatives of outputs")
+                status = one.status(lambda: given.extend(one.face.rates(references)))
+    if order == 0 and status == OK:
+        yield advice("maxOutputDerivativeOrder = 0, but a derivative is given")
+    if order > 0 and status != OK:
+        yield Finding(
+            f"maxOutputDerivativeOrder = {order}, but the call returns {STATUS[status]}"
+        )
+    if order > 0 and status == OK:
+        slopes = np.diff(rows, axis=0) / lab.h
+        slack = np.ptp(slopes, axis=0) + 1e-3 * np.max(np.abs(slopes), axis=0) + 1e-9
+        for i, variable in enumerate(outputs):
+            if not abs(given[i] - slopes[:, i].mean()) <= 1.5 * slack[i]:
+                yield Finding(
+                    f"d {variable.name} / d t = {given[i]:.6g}, the steps before and "
+                    f"after give {slopes[0, i]:.6g} and {slopes[1, i]:.6g}"
+                )
+    yield f"maxOutputDerivativeOrder = {order}, the call returns {STATUS[status]}"

@@ -111,6 +111,10 @@ class Face:
         """Return the ``size`` changes of the unknowns as a known changes by a seed."""
         raise NotImplementedError
 
+    def rates(self, references: list[int]) -> list[float]:
+        """Return the first derivatives of scalar outputs of a co-simulation."""
+        raise NotImplementedError
+
     def states(self) -> NDArray[np.float64]:
         """Return the continuous states, shape (states,)."""
         count = self.count_states()
@@ -196,6 +200,11 @@ class Face2(Face):
         found: list[float] = self.fmu.getDirectionalDerivative(unknowns, [known], seed)
         return found
 
+    def rates(self, references: list[int]) -> list[float]:
+        orders = [1] * len(references)
+        found: list[float] = self.fmu.getRealOutputDerivatives(references, orders)
+        return found
+
     def _settle(self) -> None:
         for _ in range(ITERATIONS):
             if not self.fmu.newDiscreteStates()[0]:
@@ -243,6 +252,11 @@ class Face3(Face):
         found: list[float] = self.fmu.getDirectionalDerivative(
             unknowns, [known], seed, nSensitivity=size
         )
+        return found
+
+    def rates(self, references: list[int]) -> list[float]:
+        orders = [1] * len(references)
+        found: list[float] = self.fmu.getOutputDerivatives(references, orders)
         return found
 
     def _settle(self) -> None:

@@ -236,6 +236,15 @@ def arrays_and_clocks(fmu: Archive) -> Iterator[Said]:
     for clock in clocks:
         if clock.get("intervalVariability") is None:
             yield Finding(f"clock {clock.get('name')} has no intervalVariability")
+        counter, resolution = clock.get("intervalCounter"), clock.get("resolution")
+        decimal = clock.get("intervalDecimal")
+        if counter and resolution and decimal:
+            fraction = int(counter) / int(resolution)
+            if not np.isclose(fraction, float(decimal), rtol=1e-9, atol=0):
+                yield Finding(
+                    f"clock {clock.get('name')}: intervalCounter / resolution = "
+                    f"{fraction:.9g} s, but intervalDecimal = {decimal} s"
+                )
     simulation = [e for e in fmu.interfaces() if e.tag == "CoSimulation"]
     if clocks and any(e.get("hasEventMode") != "true" for e in simulation):
         yield Finding("there are clocks, but hasEventMode is not true")

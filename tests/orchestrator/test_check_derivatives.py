@@ -1,18 +1,20 @@
 """Derivatives that an FMU gives are compared with those of its values."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from differentiable import differentiable
+from rewritten import rewritten
 
 from orchestrator.checks import check_fmu
 from orchestrator.checks.item import Outcome
 
-DERIVATIVES = 22
+EXPORTED, DERIVATIVES, IN_TIME = 11, 22, 23
 
 
-def outcome(fmu: Path) -> Outcome:
-    (only,) = check_fmu(fmu, only=[DERIVATIVES]).outcomes
+def outcome(fmu: Path, number: int = DERIVATIVES) -> Outcome:
+    (only,) = check_fmu(fmu, only=[number]).outcomes
     return only
 
 
@@ -54,3 +56,41 @@ def test_an_adjoint_that_is_none_is_found(tmp_path: Path, shows: int) -> None:
     assert texts
     assert all("the adjoint of" in text for text in texts)
     assert any(text.startswith("by co-simulation the adjoint of d y") for text in texts)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    ("fault", "given"), [(0, None), (4, "nan"), (5, "-2."), (None, None)]
+)
+def test_derivatives_of_outputs_are_those_of_their_steps(
+    tmp_path: Path, fmi: int, fault: int | None, given: str | None
+) -> None:
+    def forget(root: Any) -> None:
+        if fault is None:
+            root.find("CoSimulation").attrib.pop("maxOutputDerivativeOrder")
+
+    fmu = differentiable(fmi, tmp_path, fault=fault or 0)
+    texts = [
+        f.text for f in outcome(rewritten(fmu, tmp_path, forget), IN_TIME).findings
+    ]
+    if fault is None:
+        assert texts == ["maxOutputDerivativeOrder = 0, but a derivative is given"]
+    elif given is None:
+        assert texts == []
+    else:
+        assert texts[0].startswith(f"d y / d t = {given}")
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_derivatives_that_are_given_undeclared_are_found(
+    tmp_path: Path, fmi: int
+) -> None:
+    def forget(root: Any) -> None:
+        for element in (root.find("CoSimulation"), root.find("ModelExchange")):
+            for key in () if element is None else element.keys():
+                if key.startswith("providesD"):
+                    del element.attrib[key]
+
+    fmu = rewritten(differentiable(fmi, tmp_path), tmp_path, forget)
+    texts = [f.text for f in outcome(fmu, EXPORTED).findings]
+    assert "directional derivatives are not declared, but given" in texts

@@ -183,6 +183,16 @@ def test_a_dimension_of_no_parameter_is_found(tmp_path: Path) -> None:
     assert "no structural parameter" in found(edited(tmp_path, edit, fmi=3), 36)
 
 
+def test_a_clock_of_two_intervals_is_found(tmp_path: Path) -> None:
+    def edit(root: Any) -> None:
+        clock = root.find("ModelVariables/Clock")
+        clock.set("intervalCounter", str(2 * int(clock.get("intervalCounter"))))
+
+    fmu = build("controllers.speed_pi", fmi=3)
+    assert found(fmu, 36) == ""
+    assert "but intervalDecimal =" in found(rewritten(fmu, tmp_path, edit), 36)
+
+
 def test_start_values_that_the_binary_does_not_have_are_found(tmp_path: Path) -> None:
     fmu = edited(tmp_path, set_real("m_x", start="0.7"))
     assert "m_x: start = 0.7, the binary has 0.69" in found(fmu, 9, "dynamic")

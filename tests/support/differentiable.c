@@ -1,13 +1,15 @@
 /* An FMU with partial derivatives, and with a FAULT in them on demand.
 
    Inputs a and b (b_1, b_2), state x, in values 0 to 3; below them in values 4 to 7
-   y = a b_1 + b_2^2 + x, z = (a^2, b_1 b_2), der(x) = -a x.  FMI 2 has no state.
+   y = a b_1 + b_2^2 + x, z = (a^2, b_1 b_2), der(x) = -a x, which FMI 2 does not tell.
    config.h defines FMI, the functions that are absent, and FAULT: 0 none, 1 the
    adjoint is that of the transpose, 2 the directional derivatives remain those of
-   the start, 3 they are of the wrong sign; OUTPUTS: 0 a co-simulation shows
+   the start, 3 they are of the wrong sign, 4 those of
+   outputs in time are not a number, 5 they are twice as much; OUTPUTS: 0 a co-simulation shows
    inputs after the step only. */
 #include "config.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +20,7 @@ enum { OK, ERROR = 3, KNOWNS = 4, UNKNOWNS = 4 };
 
 typedef struct {
     double values[8];
-    double start[KNOWNS];
+    double start[KNOWNS], rates[UNKNOWNS];
     int exchange;
 } Instance;
 
@@ -42,7 +44,7 @@ static double jacobian(const Instance *s, size_t unknown, size_t known) {
 }
 
 static Instance *create(int exchange) {
-    const double start[] = {1, 2, 3, FMI == 3};
+    const double start[] = {1, 2, 3, 1};
     Instance *s = calloc(1, sizeof *s);
     memcpy(s->values, start, sizeof start);
     memcpy(s->start, start, sizeof start);
@@ -52,9 +54,13 @@ static Instance *create(int exchange) {
 }
 
 static int advance(Instance *s, double h) {
+    double before[UNKNOWNS];
+    memcpy(before, s->values + KNOWNS, sizeof before);
     outputs(s);
     s->values[3] += h * s->values[7];
     outputs(s);
+    for (int i = 0; i < UNKNOWNS; i++)
+        s->rates[i] = (s->values[KNOWNS + i] - before[i]) / h * (FAULT == 5 ? 2 : 1);
     return OK;
 }
 
@@ -91,6 +97,12 @@ static int multiply(const Instance *s, const unsigned *unknowns, size_t n,
                     int first = adjoint ? p == 0 : q == 0;
                     *target = (first ? 0 : *target) + entry * seed[adjoint ? p : q];
                 }
+    return OK;
+}
+
+static int rates(const Instance *s, const unsigned *vr, size_t n, double *to) {
+    for (size_t i = 0; i < n; i++)
+        to[i] = FAULT == 4 ? NAN : s->rates[vr[i] - KNOWNS];
     return OK;
 }
 
@@ -138,7 +150,17 @@ EXPORT int fmi2GetDirectionalDerivative(void *s, const unsigned *u, size_t n,
     return multiply(s, u, n, k, m, seed, to, 0);
 }
 
+EXPORT int fmi2GetRealOutputDerivatives(void *s, const unsigned *vr, size_t n,
+                                        const int *order, double *v) {
+    return rates(s, vr, n, v);
+}
+
 #else
+
+EXPORT int fmi3GetOutputDerivatives(void *s, const unsigned *vr, size_t n,
+                                    const int *order, double *v, size_t m) {
+    return rates(s, vr, n, v);
+}
 
 EXPORT void *fmi3InstantiateCoSimulation(void) {
     return create(0);

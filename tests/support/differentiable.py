@@ -34,7 +34,7 @@ def describe2() -> str:
     return (
         '<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0" guid="x" '
         'modelName="differentiable"><CoSimulation modelIdentifier="differentiable" '
-        'providesDirectionalDerivative="true" '
+        'providesDirectionalDerivative="true" maxOutputDerivativeOrder="1" '
         'canHandleVariableCommunicationStepSize="true"/>'
         f"<ModelVariables>{variables}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
@@ -65,8 +65,11 @@ def describe3() -> str:
     )
     flags = 'providesDirectionalDerivatives="true" providesAdjointDerivatives="true"'
     interfaces = "".join(
-        f'<{tag} modelIdentifier="differentiable" {flags}/>'
-        for tag in ("ModelExchange", "CoSimulation")
+        f'<{tag} modelIdentifier="differentiable" {flags}{more}/>'
+        for tag, more in (
+            ("ModelExchange", ""),
+            ("CoSimulation", ' maxOutputDerivativeOrder="1"'),
+        )
     )
     return (
         '<?xml version="1.0"?><fmiModelDescription fmiVersion="3.0" '
