@@ -3,7 +3,8 @@
 After a step every output may have changed with every input, by way of the
 states, so a step tells nothing as such.  What counts as a direct effect:
 
-1. in initialisation, a value that changes when an input is set;
+1. in initialisation, a value that changes when an input, the start of a state or
+   a parameter is set;
 2. between steps, or by model exchange in continuous-time mode, the same.  A
    co-simulation need not show an input before the next step (FMI 2.0.5 section
    4.2.4), so nothing follows from a value that stays;
@@ -16,15 +17,20 @@ factor that only parameters change, plus a rest.  The factor is measured by 2 an
 4 at several places: with other values, inputs, states and parameters.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext, suppress
+from dataclasses import replace
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from orchestrator.checks.effects import MAY_DIFFER, NOISE, Effects, Factors, Values
 from orchestrator.checks.item import NotApplicable, Said, advice, dynamic
-from orchestrator.checks.laboratory import Instance, Laboratory, Row, excitation
+from orchestrator.checks.laboratory import (
+    Instance,
+    Laboratory,
+    excitation,
+)
 from orchestrator.checks.moment import (
     Known,
     Unknown,
@@ -33,8 +39,12 @@ from orchestrator.checks.moment import (
     real_inputs,
     unknowns,
 )
+from orchestrator.fmu import FmuVariable
 
 PARTS = (1.0, -1.0, 0.37)
+SMALL = (0.02, -0.01)  # for parameters
+MOVING = ("continuous", "discrete")
+REST = 0.61  # where states start, a place that PARTS leave
 HISTORIES = (2, 7)  # steps before the moment that is looked at
 MOMENT = 1e-6  # of a step: too short for a state to follow
 STRUCTURE = "ModelStructure"
@@ -67,20 +77,43 @@ def dependencies_true(lab: Laboratory) -> Iterator[Said]:
 
 def _in_initialisation(lab: Laboratory, inputs: list[Known]) -> Iterator[Said]:
     declared = lab.description.initial_dependencies
-    outputs = [u for u in unknowns(lab) if declared.get(u.name) is not None]
+    outputs = [
+        replace(u, kinds=dict.fromkeys(names, ""))
+        for u in unknowns(lab)
+        if (names := declared.get(u.name)) is not None
+    ]
+    exact = [v for v in lab.variables(initial="exact") if v.sort == "real"]
+    states = [v for v in exact if v.causality == "local" and v.variability in MOVING]
+    parameters = [v for v in exact if v.causality == "parameter"]
     found = Effects()
     for known in inputs:
         with lab.instance() as one:
             one.enter()
-            before = _read(one, outputs)
-            for part in PARTS:
-                one.set(known.variable, excitation(known.variable, part))
-                for name, value in _read(one, outputs).items():
-                    listed = declared[name] or ()
-                    if known.name not in listed and _differ(value, before[name]):
-                        found.add(name, known.name)
+            _move_start(one, known.variable, PARTS, outputs, found)
             one.leave()
+    with lab.instance() as one:  # one for all: there may be a thousand
+        one.enter()
+        for state in states:  # at rest at zero little depends on anything
+            one.status(one.set, state, excitation(state, REST))
+        with suppress(FMICallException):  # some values of parameters make no model
+            for variable in states + parameters:
+                parts = PARTS if variable in states else SMALL
+                _move_start(one, variable, parts, outputs, found)
     yield from found.told("in initialisation {} changes with {}, which {} does not")
+
+
+def _move_start(
+    one: Instance,
+    variable: FmuVariable,
+    parts: Iterable[float],
+    outputs: list[Unknown],
+    found: Effects,
+) -> None:
+    at, before = one.get(variable), _read(one, outputs)
+    for part in parts:
+        one.set(variable, excitation(variable, part))
+        found.compare(variable.name, outputs, before, _read(one, outputs))
+    one.set(variable, at)
 
 
 def _between_steps(lab: Laboratory) -> Iterator[Said]:
@@ -122,10 +155,7 @@ def _move_all(
                 continue
             known.write(one, values)
             after = _read(one, watched)
-            for unknown in watched:
-                silent = known.name not in (unknown.kinds or {})
-                if silent and _differ(after[unknown.name], before[unknown.name]):
-                    effects.add(unknown.name, known.name)
+            effects.compare(known.name, watched, before, after)
             if known.variable.size == 1:
                 delta = float((values - at)[0])
                 factors.add(different, known, delta, before, after)
@@ -171,10 +201,7 @@ def _in_a_tick(
     before = fork.after(known, 0.0, h)
     for part in PARTS:
         after = fork.after(known, part, h)
-        for unknown in fork.watched:
-            silent = known.name not in (unknown.kinds or {})
-            if silent and _differ(after[unknown.name], before[unknown.name]):
-                effects.add(unknown.name, known.name)
+        effects.compare(known.name, fork.watched, before, after)
         if known.variable.size == 1 and fork.delta:
             factors.add(fork.different, known, fork.delta, before, after)
 
@@ -258,7 +285,3 @@ def _move_parameters(one: Instance, up_to: str) -> None:
 
 def _read(one: Instance, unknowns: list[Unknown]) -> Values:
     return {unknown.name: unknown.read(one) for unknown in unknowns}
-
-
-def _differ(one: Row, other: Row) -> bool:
-    return not np.array_equal(one, other, equal_nan=True)

@@ -32,6 +32,17 @@ class Effects:
         """Add that an unknown changed with a known it does not list."""
         self.of.setdefault(unknown, set()).add(known)
 
+    def compare(
+        self, known: str, unknowns: Iterable[Unknown], before: Values, after: Values
+    ) -> None:
+        """Add every unknown that differs and does not list the known."""
+        for unknown in unknowns:
+            one, other = before[unknown.name], after[unknown.name]
+            if known not in (unknown.kinds or {}) and not np.array_equal(
+                one, other, equal_nan=True
+            ):
+                self.add(unknown.name, known)
+
     def told(self, text: str, where: str = "InitialUnknowns") -> Iterator[Said]:
         """Tell them; ``text`` has places for unknown, knowns and where to list."""
         for name, found in self.of.items():

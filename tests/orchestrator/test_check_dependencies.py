@@ -110,7 +110,12 @@ def make_constant(root: Any) -> None:
         (
             "controllers.speed_pi",
             forget("InitialUnknowns"),
-            "in initialisation u changes with v_est, v_ref, which InitialUnknowns",
+            "in initialisation u changes with k_i, state.e_vi, v_est, v_ref, which",
+        ),
+        (
+            "plants.gantry",
+            forget("InitialUnknowns"),
+            "in initialisation y_t changes with state.y_1, state.y_2, which",
         ),
         (
             "controllers.speed_pi",
