@@ -2,10 +2,13 @@
 
 from orchestrator.checks import (
     compiling,
+    dependencies,
     derivatives,
+    extra,
     files,
     hosting,
     loading,
+    resimulation,
     states,
     stepping,
     values,
@@ -15,10 +18,13 @@ from orchestrator.checks.item import REGISTRY, Item
 
 MODULES = (
     compiling,
+    dependencies,
     derivatives,
+    extra,
     files,
     hosting,
     loading,
+    resimulation,
     states,
     stepping,
     values,

@@ -196,29 +196,6 @@ def terminals(fmu: Archive) -> Iterator[Said]:
 
 
 @static(
-    33,
-    "Extra files are labelled",
-    "FMI 3.0.2 section 2.5; FMI layered standards 1.0",
-    "put files into extra/<reverse domain>/ and name the standard in "
-    "fmi-ls-manifest.xml",
-)
-def extra_files(fmu: Archive) -> Iterator[Said]:
-    inside = [n.split("/") for n in fmu.names if n.startswith("extra/")]
-    if not inside:
-        raise NotApplicable("it has no extra/")
-    for folder in sorted({parts[1] for parts in inside}):
-        if not re.fullmatch(r"[\w-]+(\.[\w-]+)+", folder):
-            yield Finding(f"extra/{folder} is no reverse domain name")
-        manifest = f"extra/{folder}/fmi-ls-manifest.xml"
-        if manifest in fmu.names:
-            root = fmu.parsed(manifest)
-            for key in ("fmi-ls-name", "fmi-ls-version"):
-                if not any(name.endswith(key) for name in map(str, root.attrib)):
-                    yield Finding(f"{manifest} has no {key}")
-        yield f"extra/{folder}"
-
-
-@static(
     34,
     "Sources are all there",
     "FMI 2.0.5 section 4.3.1 (SourceFiles); FMI 3.0.2 section 2.5.1",

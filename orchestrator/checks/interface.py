@@ -8,6 +8,7 @@ from ctypes import byref, c_double
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
 from fmpy.fmi1 import calloc, free
 from fmpy.fmi2 import (
     FMU2Model,
@@ -19,6 +20,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.logging import addLoggerProxy
+from numpy.typing import NDArray
 
 from orchestrator.checks.item import CannotRun
 from orchestrator.fmu import FmuDescription, FmuVariable
@@ -103,21 +105,39 @@ class Face:
     def derivatives(self, values: Any, count: int) -> None:
         raise NotImplementedError
 
+    def directional(
+        self, unknowns: list[int], known: int, seed: list[float], size: int
+    ) -> list[float]:
+        """Return the ``size`` changes of the unknowns as a known changes by a seed."""
+        raise NotImplementedError
+
+    def rates(self, references: list[int]) -> list[float]:
+        """Return the first derivatives of scalar outputs of a co-simulation."""
+        raise NotImplementedError
+
+    def states(self) -> NDArray[np.float64]:
+        """Return the continuous states, shape (states,)."""
+        count = self.count_states()
+        values = (c_double * count)()
+        if count:
+            self.fmu.getContinuousStates(values, count)
+        return np.array(values)
+
+    def set_states(self, values: NDArray[np.float64]) -> None:
+        if count := len(values):
+            self.fmu.setContinuousStates((c_double * count)(*values), count)
+
     def _settle(self) -> None:
         raise NotImplementedError
 
     def _euler(self, t: float, h: float) -> None:
-        count = self.count_states()
-        states, slopes = (c_double * count)(), (c_double * count)()
         self.fmu.setTime(t)
-        if count:
-            self.fmu.getContinuousStates(states, count)
-            self.derivatives(slopes, count)
+        states = self.states()
+        slopes = (c_double * len(states))()
+        if len(states):
+            self.derivatives(slopes, len(states))
         self.fmu.setTime(t + h)
-        if count:
-            for i in range(count):
-                states[i] += h * slopes[i]
-            self.fmu.setContinuousStates(states, count)
+        self.set_states(states + h * np.array(slopes))
         enter, _ended = self.fmu.completedIntegratorStep()
         if enter:
             self.fmu.enterEventMode()
@@ -174,6 +194,17 @@ class Face2(Face):
     def derivatives(self, values: Any, count: int) -> None:
         self.fmu.getDerivatives(values, count)
 
+    def directional(
+        self, unknowns: list[int], known: int, seed: list[float], size: int
+    ) -> list[float]:
+        found: list[float] = self.fmu.getDirectionalDerivative(unknowns, [known], seed)
+        return found
+
+    def rates(self, references: list[int]) -> list[float]:
+        orders = [1] * len(references)
+        found: list[float] = self.fmu.getRealOutputDerivatives(references, orders)
+        return found
+
     def _settle(self) -> None:
         for _ in range(ITERATIONS):
             if not self.fmu.newDiscreteStates()[0]:
@@ -214,6 +245,19 @@ class Face3(Face):
 
     def derivatives(self, values: Any, count: int) -> None:
         self.fmu.getContinuousStateDerivatives(values, count)
+
+    def directional(
+        self, unknowns: list[int], known: int, seed: list[float], size: int
+    ) -> list[float]:
+        found: list[float] = self.fmu.getDirectionalDerivative(
+            unknowns, [known], seed, nSensitivity=size
+        )
+        return found
+
+    def rates(self, references: list[int]) -> list[float]:
+        orders = [1] * len(references)
+        found: list[float] = self.fmu.getOutputDerivatives(references, orders)
+        return found
 
     def _settle(self) -> None:
         for _ in range(ITERATIONS):

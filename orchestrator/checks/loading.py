@@ -7,6 +7,7 @@ import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
+from orchestrator.checks.archive import Archive
 from orchestrator.checks.interface import required_functions
 from orchestrator.checks.item import (
     CannotRun,
@@ -76,12 +77,28 @@ def loads(lab: Laboratory) -> Iterator[Said]:
 
 def _unsupported(lab: Laboratory) -> Iterator[Said]:
     """What is declared unsupported has to be refused, not half done."""
-    if lab.interface.canGetAndSetFMUstate:
-        return
-    with lab.running() as one:
-        lab.trying("calling GetFMUState, which is not supported")
-        if one.status(one.fmu.getFMUState) == OK:
-            yield advice("canGetAndSetFMUstate = false, but getting it returns OK")
+    derivatives = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
+    interfaces = Archive(lab.description.path).interfaces()
+    real = [
+        next((v for v in lab.variables(causality=c) if v.sort == "real"), None)
+        for c in ("output", "input")
+    ]
+    with lab.instance() as one:
+        if not one.exists:  # that is for the item of tokens
+            return
+        one.begin()
+        if not lab.interface.canGetAndSetFMUstate:
+            lab.trying("calling GetFMUState, which is not supported")
+            if one.status(one.fmu.getFMUState) == OK:
+                yield advice("canGetAndSetFMUstate = false, but getting it returns OK")
+        if any(e.get(name) for e in interfaces for name in derivatives):
+            return
+        if real[0] and real[1]:
+            lab.trying("asking for derivatives, which are not supported")
+            unknown, known = real[0].reference, real[1].reference
+            seed, size = [1.0] * real[1].size, real[0].size
+            if one.status(one.face.directional, [unknown], known, seed, size) == OK:
+                yield advice("directional derivatives are not declared, but given")
 
 
 @dynamic(

@@ -30,42 +30,6 @@ SHOWN = 5
 
 
 @dynamic(
-    6,
-    "Outputs depend on what they say, and on nothing else",
-    "FMI 2.0.5 section 2.2.8; FMI 3.0.2 section 2.4.8",
-    "list every input that the output depends on directly; an importer orders its "
-    "calls by that",
-)
-def dependencies_true(lab: Laboratory) -> Iterator[Said]:
-    description = lab.description
-    inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
-    outputs = [v for v in lab.variables(causality="output") if v.sort == "real"]
-    if not inputs or not outputs:
-        raise NotApplicable("it has no real input or no real output")
-    declared = description.initial_dependencies
-    undeclared: dict[str, set[str]] = {}
-    for variable in inputs:
-        with lab.instance() as one:
-            one.enter()
-            before = {o.name: one.get(o) for o in outputs}
-            for part in (1.0, -1.0, 0.37):
-                one.set(variable, excitation(variable, part))
-                for output in outputs:
-                    listed = declared.get(output.name)
-                    if listed is None or variable.name in listed:
-                        continue
-                    if one.get(output) != before[output.name]:
-                        undeclared.setdefault(output.name, set()).add(variable.name)
-            one.leave()
-    for name, found in undeclared.items():
-        yield Finding(
-            f"in initialisation {name} changes with {', '.join(sorted(found))}, which "
-            f"InitialUnknowns does not list"
-        )
-    yield f"{len(inputs)} inputs moved, {len(outputs)} outputs watched"
-
-
-@dynamic(
     9,
     "Start values of the description are those of the binary",
     "FMI 2.0.5 section 2.2.7 (start); FMI 3.0.2 section 2.4.7",

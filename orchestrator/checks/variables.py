@@ -13,6 +13,12 @@ from orchestrator.fmu import FmuVariable
 
 PARAMETERS = ("parameter", "structuralParameter")
 SHOWN = 5  # names written out in one finding
+ENERGY = {"kg": 1, "m": 2, "s": -2}
+FREQUENCY = {"s": -1}
+TELL_QUANTITY = (
+    'write quantity="Torque", "Energy", "Frequency" or "AngularVelocity", and the '
+    "radian into the base units of an angle"
+)
 
 
 @static(
@@ -133,7 +139,35 @@ def units(fmu: Archive) -> Iterator[Said]:
                 f"unit {unit!r} is defined as {_definition(theirs)}, but usually "
                 f"means {_definition(usual)}"
             )
+    yield from _quantities(fmu)
     yield f"{len(reals)} real variables, {len(used)} units"
+
+
+def _quantities(fmu: Archive) -> Iterator[Said]:
+    """Tell at which inputs and outputs a unit leaves open what is measured.
+
+    N.m and J have the same base units, and so have 1/s and rad/s to whom ignores
+    the radian: the wrong connection is converted by 1 without a word.
+    """
+    open_: dict[str, list[str]] = defaultdict(list)
+    for element in fmu.model.modelVariables:
+        variable = fmu.description.variables.get(element.name)
+        if variable is None or variable.causality not in ("input", "output"):
+            continue
+        type_ = element.declaredType
+        if element.quantity or (type_ is not None and type_.quantity):
+            continue
+        unit = variable.base_unit
+        if unit is None:
+            continue
+        if unit.exponents == ENERGY:
+            open_["a torque or an energy"].append(f"{element.name} ({variable.unit})")
+        elif unit.exponents == FREQUENCY and "Hz" not in str(variable.unit):
+            open_["a frequency or an angular velocity"].append(
+                f"{element.name} ({variable.unit})"
+            )
+    for what, named in open_.items():
+        yield advice(f"{what}, says no quantity: {_listed(named)}", TELL_QUANTITY)
 
 
 def _definition(unit: Any) -> str:
@@ -202,6 +236,15 @@ def arrays_and_clocks(fmu: Archive) -> Iterator[Said]:
     for clock in clocks:
         if clock.get("intervalVariability") is None:
             yield Finding(f"clock {clock.get('name')} has no intervalVariability")
+        counter, resolution = clock.get("intervalCounter"), clock.get("resolution")
+        decimal = clock.get("intervalDecimal")
+        if counter and resolution and decimal:
+            fraction = int(counter) / int(resolution)
+            if not np.isclose(fraction, float(decimal), rtol=1e-9, atol=0):
+                yield Finding(
+                    f"clock {clock.get('name')}: intervalCounter / resolution = "
+                    f"{fraction:.9g} s, but intervalDecimal = {decimal} s"
+                )
     simulation = [e for e in fmu.interfaces() if e.tag == "CoSimulation"]
     if clocks and any(e.get("hasEventMode") != "true" for e in simulation):
         yield Finding("there are clocks, but hasEventMode is not true")

@@ -4,46 +4,25 @@ import re
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lxml import etree
+from rewritten import Edit, rewritten
 
 from fmus.build import build
 from fmus.compile import host_platform
 from orchestrator.checks import check_fmu
 from orchestrator.checks.elf import needed_libraries
 
-Edit = Callable[[Any], None]
-DESCRIPTION = "modelDescription.xml"
-
 
 def edited(
-    folder: Path,
-    edit: Edit | None = None,
-    *,
-    fmi: Any = 2,
-    more: dict[str, str] | None = None,
-    inside: str = "",
+    folder: Path, edit: Edit | None = None, *, fmi: Any = 2, **options: Any
 ) -> Path:
-    """Write our linear motor again: description edited, files added, moved."""
-    target = folder / "edited.fmu"
-    with (
-        zipfile.ZipFile(build("plants.linear_motor", fmi=fmi)) as old,
-        zipfile.ZipFile(target, "w") as new,
-    ):
-        for name in old.namelist():
-            content = old.read(name)
-            if name == DESCRIPTION and edit is not None:
-                root = etree.fromstring(content)
-                edit(root)
-                content = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-            new.writestr(inside + name, content)
-        for name, text in (more or {}).items():
-            new.writestr(name, text)
-    return target
+    """Write our linear motor again."""
+    fmu = build("plants.linear_motor", fmi=fmi)
+    return rewritten(fmu, folder, edit, **options)
 
 
 def found(fmu: Path, number: int, part: str = "static") -> str:
@@ -112,6 +91,32 @@ def other_source(root: Any) -> None:
         file.set("name", "nothing.c")
 
 
+def in_unit(name: str, quantity: str = "", **exponents: str) -> Edit:
+    """Give the input another unit, and a quantity."""
+
+    def edit(root: Any) -> None:
+        unit = etree.SubElement(root.find("UnitDefinitions"), "Unit", name=name)
+        etree.SubElement(unit, "BaseUnit", exponents)
+        real = variable(root, "u").find("Real")
+        real.set("unit", name)
+        if quantity:
+            real.set("quantity", quantity)
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        in_unit("N.m", "Torque", kg="1", m="2", s="-2"),
+        in_unit("rad/s", s="-1", rad="1"),
+        in_unit("Hz", s="-1"),
+    ],
+)
+def test_units_that_leave_nothing_open_pass(tmp_path: Path, edit: Edit) -> None:
+    assert found(edited(tmp_path, edit), 7) == ""
+
+
 @pytest.mark.parametrize(
     ("number", "edit", "expected"),
     [
@@ -125,6 +130,8 @@ def other_source(root: Any) -> None:
         (6, no_dependencies, "outputs without dependencies: x, v"),
         (7, set_real("u", unit="furlong"), "furlong"),
         (7, wrong_factor, "'m' is defined as 0.001 m1, but usually means 1 m1"),
+        (7, in_unit("N.m", kg="1", m="2", s="-2"), r"an energy, .*: u \(N.m\)$"),
+        (7, in_unit("rad/s", s="-1"), r"angular velocity, says no quantity: u"),
         (8, set_real("m_x", start="-1"), "start = -1 is not in its bounds"),
         (8, set_real("m_x", min="5", max="4"), "min = 5 is more than max = 4"),
         (8, set_real("u", nominal="0"), "nominal = 0"),
@@ -176,9 +183,14 @@ def test_a_dimension_of_no_parameter_is_found(tmp_path: Path) -> None:
     assert "no structural parameter" in found(edited(tmp_path, edit, fmi=3), 36)
 
 
-def hidden_dependency(root: Any) -> None:
-    for unknown in root.find("ModelStructure/InitialUnknowns"):
-        unknown.set("dependencies", "")
+def test_a_clock_of_two_intervals_is_found(tmp_path: Path) -> None:
+    def edit(root: Any) -> None:
+        clock = root.find("ModelVariables/Clock")
+        clock.set("intervalCounter", str(2 * int(clock.get("intervalCounter"))))
+
+    fmu = build("controllers.speed_pi", fmi=3)
+    assert found(fmu, 36) == ""
+    assert "but intervalDecimal =" in found(rewritten(fmu, tmp_path, edit), 36)
 
 
 def test_start_values_that_the_binary_does_not_have_are_found(tmp_path: Path) -> None:
@@ -193,23 +205,6 @@ def test_a_wrong_token_stops_every_trial(tmp_path: Path) -> None:
     report = check_fmu(fmu, only=[16])
     (outcome,) = report.outcomes
     assert "the token (guid) is not that of this binary" in outcome.reason
-
-
-def test_a_dependency_that_is_not_declared_is_found(tmp_path: Path) -> None:
-    """The output of a sampled PI depends on its inputs at once."""
-    target = tmp_path / "edited.fmu"
-    with (
-        zipfile.ZipFile(build("controllers.speed_pi")) as old,
-        zipfile.ZipFile(target, "w") as new,
-    ):
-        for name in old.namelist():
-            content = old.read(name)
-            if name == DESCRIPTION:
-                root = etree.fromstring(content)
-                hidden_dependency(root)
-                content = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-            new.writestr(name, content)
-    assert "u changes with v_est, v_ref" in found(target, 6, "dynamic")
 
 
 def test_foreign_platforms_cannot_be_run_and_are_named(tmp_path: Path) -> None:

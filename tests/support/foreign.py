@@ -1,11 +1,13 @@
 """An FMU of no exporter: every type, and failures on demand (foreign.c)."""
 
+import re
 import zipfile
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
-from fmpy.fmi3 import FMU3Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from fmus.compile import compile_alone, host_platform
 
@@ -22,33 +24,50 @@ TYPES = {
 
 def foreign(fmi: int, folder: Path) -> Path:
     """Build the FMU into a folder and return its path."""
-    text = SOURCE.read_text()
-    slave = FMU2Slave if fmi == 2 else FMU3Slave
+    defined = {"TYPES": len(TYPES[fmi])}
+    present = [
+        f"fmi{fmi}{verb}{kind}" for kind in TYPES[fmi] for verb in ("Get", "Set")
+    ]
+    library = compile_source(fmi, SOURCE, folder, present, defined)
+    return packed(fmi, folder, library, describe(fmi))
+
+
+def compile_source(
+    fmi: int,
+    source: Path,
+    folder: Path,
+    present: Collection[str],
+    defined: Mapping[str, int],
+) -> Path:
+    """Compile a source whose config.h names it the standard's functions.
+
+    Those that are neither in its text nor ``present`` return Error.
+    """
+    text = source.read_text()
+    slaves = (FMU2Slave,) if fmi == 2 else (FMU3Slave, FMU3Model)
     renamed = {
         "ENTER": f"fmi{fmi}EnterInitializationMode",
         "EXIT": f"fmi{fmi}ExitInitializationMode",
         "TERMINATE": f"fmi{fmi}Terminate",
         "FREE": f"fmi{fmi}FreeInstance",
     }
-    present = [
-        f"fmi{fmi}{verb}{kind}" for kind in TYPES[fmi] for verb in ("Get", "Set")
-    ]
-    wanted = [name for name in dir(slave) if name.startswith(f"fmi{fmi}")]
-    absent = [
-        name
-        for name in wanted
-        if name not in present and name not in renamed.values() and name not in text
-    ]
-    config = [f"#define FMI {fmi}", f"#define TYPES {len(TYPES[fmi])}"]
+    wanted = {n for slave in slaves for n in dir(slave) if n.startswith(f"fmi{fmi}")}
+    there = {*present, *renamed.values(), *re.findall(r"\bfmi\d\w+", text)}
+    config = [f"#define {a} {b}" for a, b in ({"FMI": fmi} | defined).items()]
     config += [f"#define {a} {b}" for a, b in renamed.items()]
+    absent = sorted(wanted - there)
     stubs = " ".join(f"EXPORT int {name}(void) {{ return ERROR; }}" for name in absent)
     config += [f"#define ABSENT {stubs}", ""]
-    sources = {"config.h": "\n".join(config), SOURCE.name: text}
-    library = compile_alone("foreign", sources, host_platform(), folder / "libraries")
+    sources = {"config.h": "\n".join(config), source.name: text}
+    return compile_alone(source.stem, sources, host_platform(), folder / "libraries")
+
+
+def packed(fmi: int, folder: Path, library: Path, description: str) -> Path:
+    """Write an FMU of a library and a model description; return its path."""
     place = fmpy.platform if fmi == 2 else fmpy.platform_tuple
-    file = folder / f"foreign{fmi}.fmu"
+    file = folder / f"{library.stem}{fmi}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", describe(fmi))
+        archive.writestr("modelDescription.xml", description)
         archive.write(library, f"binaries/{place}/{library.name}")
     return file
 
