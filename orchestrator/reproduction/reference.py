@@ -31,7 +31,8 @@ from pydantic import Field, ValidationError, model_validator
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.schema import Strict
-from orchestrator.scenario.reading import complaints, read_toml
+from orchestrator.scenario.complaints import complaints
+from orchestrator.scenario.reading import read_toml
 
 
 class FigureSpec(Strict):

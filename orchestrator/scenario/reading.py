@@ -14,7 +14,7 @@ command line changed on components: what design steps are told.
 
 import logging
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -23,6 +23,7 @@ from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
+from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import RateContext, Specification
 
@@ -268,16 +269,3 @@ def _validate(raw: Mapping[str, Any], file: Path) -> Specification:
         return Specification.model_validate(raw, context=RateContext())
     except ValidationError as error:
         raise ScenarioError(f"{file}: " + "; ".join(complaints(error))) from None
-
-
-def complaints(error: ValidationError) -> Iterator[str]:
-    """Yield each complaint of pydantic with its key path, in plain words."""
-    for detail in error.errors(include_url=False):
-        where = list(detail["loc"])
-        if where[:1] == ["metrics"] and len(where) > 2:
-            del where[2]  # pydantic's name for the kind of metric
-        path = ".".join(f'"{p}"' if "." in str(p) else str(p) for p in where)
-        message = detail["msg"].removeprefix("Value error, ")
-        if detail["type"] == "missing":
-            message = "is missing"
-        yield f"{path}: {message}" if path else message

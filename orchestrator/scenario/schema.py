@@ -19,6 +19,7 @@ from pydantic import (
     Field,
     PlainValidator,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
     field_validator,
     model_validator,
 )
@@ -33,9 +34,10 @@ _RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
 
 @dataclass
 class RateContext:
-    """The rates of the scenario being validated, as far as they were read."""
+    """The rates of the scenario being validated, and whether they could be read."""
 
     rates: dict[str, Fraction] = field(default_factory=dict)
+    readable: bool = True
 
 
 def parse_value(value: Any) -> Value:
@@ -67,6 +69,8 @@ def _period(value: Any, info: ValidationInfo) -> Fraction:
         period: Fraction = rates[value]
         return period
     if isinstance(value, str) and re.fullmatch(r"[A-Za-z_]\w*", value):
+        if info.context and not info.context.readable:
+            return Fraction(1)  # the scenario is refused for its rates alone
         raise ValueError(f"there is no rate {value!r}; {did_you_mean(value, rates)}")
     return parse_period(value)
 
@@ -83,7 +87,7 @@ def _source(value: Any) -> float | str | tuple[str, ...]:
     number = parse_value(value)
     if isinstance(number, tuple):
         raise ValueError("a constant source is one number")
-    return float(number)
+    return number
 
 
 Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
@@ -149,7 +153,9 @@ class DesignSpec(Strict):
     @field_validator("sets", mode="before")
     @classmethod
     def _one_or_more(cls, value: Any) -> Any:
-        return (value,) if isinstance(value, str) else tuple(value)
+        if isinstance(value, str):
+            return (value,)
+        return tuple(value) if isinstance(value, list) else value
 
     @field_validator("arguments")
     @classmethod
@@ -207,14 +213,16 @@ class Specification(Strict):
     expect: dict[str, Expectation] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)
 
-    @field_validator("rates")
+    @field_validator("rates", mode="wrap")
     @classmethod
     def _share_rates(
-        cls, value: dict[str, Fraction], info: ValidationInfo
+        cls, value: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
     ) -> dict[str, Fraction]:
-        if info.context is not None:
-            info.context.rates.update(value)
-        return value
+        context = info.context or RateContext()
+        context.readable = False
+        rates: dict[str, Fraction] = validate(value)
+        context.rates, context.readable = rates, True
+        return rates
 
     @field_validator("faults", mode="before")
     @classmethod
@@ -240,6 +248,11 @@ class Specification(Strict):
         for sink, source in self.connections.items():
             ends = [sink, *(source if isinstance(source, tuple) else [source])]
             for end in (e for e in ends if isinstance(e, str)):
+                if re.match(r"[-+.\d]", end):
+                    raise ValueError(
+                        f'connections."{sink}": {end!r} is no component.variable; a '
+                        f"constant is a number without quotes, in the unit of {sink}"
+                    )
                 self._variable(f'connections."{sink}"', end)
                 if end.count("*") > 1:
                     raise ValueError(f'connections."{sink}": {end!r} has several *')

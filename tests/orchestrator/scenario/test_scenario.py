@@ -62,8 +62,10 @@ def test_times_rates_and_rows_are_exact(drive):
     ("old", "new", "place", "remedy"),
     [
         ("latency = 1", "latncy = 1", "components.controller", "'latency'"),
-        ("latency = 1", "latency = -1", "components.controller.latency", "0"),
-        ("latency = 1", "latency = 1.5", "components.controller.latency", "integer"),
+        ("latency = 1", "latency = -1", "components.controller.latency", "at least 0"),
+        ("latency = 1", "latency = 1.5", "components.controller.latency", "whole"),
+        ("latency = 1", "kind = 'smpled'", "components.controller.kind", "'sampled'"),
+        ("latency = 1", "map = 3", "components.controller.map", "table"),
         ("stop =", "stpo =", "'stpo'", "'stop'"),
         ('stop = "1/2"', "", "stop", "missing"),
         ('stop = "1/2"', "stop = -1", "stop", "greater than zero"),
@@ -74,14 +76,17 @@ def test_times_rates_and_rows_are_exact(drive):
         ("0.379e-3", "'big'", "components.plant.parameters.m_2", "number"),
         ('"plant.u"', '"plnt.u"', 'connections."plnt.u"', "'plant'"),
         ('"plant.u"', '"plant"', 'connections."plant"', "plant.<variable>"),
+        ('"controller.u"', '"1 mm"', 'connections."plant.u"', "without quotes"),
         ('"plant.x_*"', '"plant.*_*"', "plant.*_*", "several"),
-        ('"error"', '"eror"', "metrics.lag", "'error'"),
+        ('"error"', '"eror"', "metrics.lag", "no kind 'eror'; did you mean 'error'"),
+        ('"error"', '"error", scale = []', "metrics.lag.scale", "number or a text"),
         ("window = [0, 0.1]", "window = [1, 0]", "metrics.lag.window", "before"),
         ('"plant.x_1"', '"plan.x_1"', "metrics.lag.against", "'plant'"),
         ('"lag.peak"', '"leg.peak"', 'expect."leg.peak"', "'lag'"),
         ("below = 4,", "", 'expect."lag.peak"', "below, above"),
         ('"controller"', '"controler"', "design.gains.sets", "'controller'"),
         ("mc_ppc", 'mc_ppc"\nfmu = "', "drive.toml", "TOML"),
+        ('sets = "controller"', "sets = 3", "design.gains.sets", "list"),
         ("call =", 'from_run = "x"\ncall =', "design.gains", "signals"),
     ],
 )
@@ -94,6 +99,14 @@ def test_a_wrong_entry_is_named_with_file_key_and_remedy(
         load_scenario(drive)
     for part in (str(drive), place, remedy):
         assert part in str(refusal.value)
+
+
+@pytest.mark.parametrize("rate", ["0", "-10 kHz", "10 MHzz", "[]"])
+def test_a_wrong_rate_is_the_only_complaint(drive, rate):
+    with pytest.raises(ScenarioError) as refusal:
+        load_scenario(drive, [f"rates.control={rate}"])
+    assert "rates.control: " in str(refusal.value)
+    assert "there is no rate" not in str(refusal.value)
 
 
 def test_overrides_reach_parameters_times_rates_and_designs(drive):
