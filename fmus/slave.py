@@ -22,6 +22,13 @@ from fmus.layout import Variable
 from fmus.model import Model
 from fmus.simulation import Simulation
 
+INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = (
+    "before initialization mode",
+    "in initialization mode",
+    "between steps",
+    "after terminate",
+)
+
 
 class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     """Base of every Python FMU; the generated subclass only names its model."""
@@ -31,7 +38,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.simulation = Simulation(self.model)
-        self.stepping = False
+        self.phase = INSTANTIATED
         self.time = 0.0
         self.stop_time = np.inf
         self.failed = False
@@ -45,16 +52,31 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         tolerance: float | None = None,
     ) -> None:
         """Take start and stop time (s); the tolerance means nothing here."""
-        self.time = self.simulation.start_time = start_time
-        self.stop_time = np.inf if stop_time is None else stop_time
+        with self._refusing():
+            self._only(INSTANTIATED, "fmi2SetupExperiment")
+            self.time = self.simulation.start_time = start_time
+            self.stop_time = np.inf if stop_time is None else stop_time
+
+    def enter_initialization_mode(self) -> None:
+        """Begin initialization."""
+        with self._refusing():
+            self._only(INSTANTIATED, "fmi2EnterInitializationMode")
+            self.phase = INITIALIZING
 
     def exit_initialization_mode(self) -> None:
         """Publish the initial outputs; from now on only steps change them."""
         with self._refusing():
+            self._only(INITIALIZING, "fmi2ExitInitializationMode")
             self.simulation.refresh()
             self.simulation.begin()
             self._check_finite()
-            self.stepping = True
+            self.phase = STEPPING
+
+    def terminate(self) -> None:
+        """End stepping; values can still be read."""
+        with self._refusing():
+            self._only(STEPPING, "fmi2Terminate")
+            self.phase = TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Step the model; the instance's clock follows the caller's."""
@@ -116,6 +138,13 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
         text = f"{self.instance_name} ({self.model.name}): {message}"
         self.log(text, Fmi2Status.error, "logStatusError")
 
+    def _begun(self) -> bool:
+        return self.phase in (STEPPING, TERMINATED)
+
+    def _only(self, phase: str, call: str) -> None:
+        if self.phase != phase:
+            raise ValueError(f"{call} is not allowed {self.phase}")
+
     def _owner(self, reference: int, boolean: bool) -> Variable:
         variable = self.owners.get(reference)
         if variable is None:
@@ -128,7 +157,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def _get(self, reference: int, boolean: bool) -> float:
         with self._refusing():
             self._owner(reference, boolean)
-            if not self.stepping:
+            if not self._begun():
                 self.simulation.refresh()
             return float(self.simulation.values[reference])
         return float("nan")
@@ -139,7 +168,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             var, block = variable.var, variable.block
             settable = block in ("parameter", "input", "state") and not var.constant
             early = block == "state" or var.fixed
-            if not settable or (early and self.stepping):
+            if not settable or (early and self._begun()):
                 until = " once stepping has begun" if settable else ""
                 raise ValueError(f"{variable.name} cannot be set{until}")
             if not np.isfinite(value):
@@ -149,8 +178,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def _check_step(self, t: float, h: float) -> None:
         if self.failed:
             raise ValueError("no step after one that failed: reset the instance")
-        if not self.stepping:
-            raise ValueError("no step before initialization has ended")
+        self._only(STEPPING, "fmi2DoStep")
         if not (h > 0 and np.isfinite(h)):
             raise ValueError(f"a step of {h} s is no step")
         rounding = 1e-9 * h + 8 * np.finfo(float).eps * abs(self.time)
@@ -169,7 +197,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
     def _get_fmu_state(self) -> dict[str, Any]:
         return self.simulation.snapshot() | {
             "of": type(self).__module__,
-            "stepping": self.stepping,
+            "phase": self.phase,
             "time": self.time,
             "failed": self.failed,
         }
@@ -179,7 +207,7 @@ class ModelSlave(Fmi2Slave):  # type: ignore[misc]
             self._refuse(f"this is a state of {state.get('of', 'something else')}")
             return
         self.simulation.restore(state)
-        self.stepping, self.time = state["stepping"], state["time"]
+        self.phase, self.time = state["phase"], state["time"]
         self.failed = state["failed"]
 
     @staticmethod

@@ -200,6 +200,22 @@ def test_a_variable_that_is_not_there_is_an_error(slave):
     fmu.doStep(0.0, 1 / 2000)
 
 
+def test_calls_out_of_order_are_errors(slave):
+    fmu = slave(python_fmu("pi"))
+    for call, then in (
+        (lambda: fmu.doStep(0.0, 1 / 2000), fmu.setupExperiment),
+        (fmu.exitInitializationMode, fmu.enterInitializationMode),
+        (fmu.enterInitializationMode, fmu.exitInitializationMode),
+        (fmu.exitInitializationMode, fmu.terminate),
+        (lambda: fmu.doStep(0.0, 1 / 2000), fmu.reset),
+        (fmu.terminate, fmu.setupExperiment),
+    ):
+        with pytest.raises(fmpy.fmi1.FMICallException, match="error"):
+            call()
+        assert "is not allowed" in fmu.messages[-1]
+        then()
+
+
 def test_without_logging_or_its_category_nothing_is_said(slave):
     fmu = start(slave(python_fmu("pi")))
     for on, categories in ((0, []), (1, [b"logStatusFatal"])):

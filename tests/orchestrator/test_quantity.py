@@ -86,3 +86,12 @@ def test_a_number_with_its_unit_is_read_from_text():
     assert parse_quantity("-4") == Quantity(-4.0)
     with pytest.raises(ValueError, match="number with a unit"):
         parse_quantity("m/rad")
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [(("um", "kg"), "um cannot become kg"), (("1", "V"), "a pure number cannot")],
+)
+def test_units_that_do_not_fit_are_named_as_they_were_written(units, said):
+    with pytest.raises(UnitError, match=said):
+        converter(*units)

@@ -15,7 +15,7 @@ from fmus.compile import host_platform
 from orchestrator.checks import Report, check_fmu
 from orchestrator.cli import app
 
-EXPECTED = Path(__file__).parents[1] / "data" / "expected"
+EXPECTED = Path(__file__).parents[2] / "data" / "expected"
 TO_COMPILE = 34
 
 linux = pytest.mark.skipif(
