@@ -6,6 +6,7 @@ the model nor a tool.  Files appear in it whole or not at all, so that several
 processes may build at once.
 """
 
+import os
 import platform as host
 import shutil
 import tempfile
@@ -50,6 +51,7 @@ def build(
     Raises:
         BuildError: the options do not go together, or the module is missing, has
             no model, or one that cannot be traced or compiled.
+        OSError: the file cannot be written; it is named.
     """
     _check_options(kind, fmi, period)
     files = sources(module)
@@ -72,8 +74,22 @@ def build(
         fmu = _keep(contents, f"{subject.model.name}.fmu", place)
     if folder is None:
         return fmu
+    return _copy(fmu, folder)
+
+
+def _copy(fmu: Path, folder: Path) -> Path:
+    """Copy an FMU into a folder, whole or not at all."""
+    target = folder / fmu.name
     folder.mkdir(parents=True, exist_ok=True)
-    return Path(shutil.copyfile(fmu, folder / fmu.name))
+    partial = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        shutil.copyfile(fmu, partial)
+        partial.replace(target)
+    except OSError as error:  # which would name the source
+        raise OSError(error.errno, error.strerror, str(target)) from None
+    finally:
+        partial.unlink(missing_ok=True)
+    return target
 
 
 def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
@@ -82,7 +98,7 @@ def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
     if fmi not in (2, 3):
         raise BuildError(f"FMI {fmi} is not written here: choose 2 or 3")
     if kind == "python" and fmi != 2:
-        raise BuildError("Python FMUs are FMI 2 only: choose fmi=2 or kind='native'")
+        raise BuildError("Python FMUs are FMI 2 only: ask for that or for a native one")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
 
@@ -138,7 +154,10 @@ def _keep(contents: Mapping[str, bytes], name: str, place: Path) -> Path:
     place.parent.mkdir(parents=True, exist_ok=True)
     workspace = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
     try:
-        write_archive(workspace / name, contents)
+        try:
+            write_archive(workspace / name, contents)
+        except OSError as error:  # which need not name a file
+            raise OSError(error.errno, error.strerror, str(place / name)) from None
         workspace.chmod(0o755)
         try:
             workspace.rename(place)

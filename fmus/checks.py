@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from fmus.model import (
     Model,
     Record,
     Sampled,
+    is_record,
     leaves,
     pack,
     unpack,
@@ -33,14 +35,14 @@ def check_model(model: Model) -> None:
     Raises:
         BuildError: name, period, substep, a field or a delay is not usable.
     """
-    if not IDENTIFIER.fullmatch(model.name):
+    if not isinstance(model.name, str) or not IDENTIFIER.fullmatch(model.name):
         raise BuildError(f"model name {model.name!r} is no C identifier")
     if isinstance(model, Sampled):
-        num, den = model.period.as_integer_ratio()
-        if num <= 0 or max(num, den) >= 2**53:
-            raise BuildError(f"{model.name}: a period of {model.period} s is no period")
+        _check_period(model)
     elif not 0 < model.h_max < np.inf:
         raise BuildError(f"{model.name}: h_max = {model.h_max} s is no substep")
+    for role in ("state", "input", "parameters"):
+        _check_record(model.name, role, getattr(model, role))
     try:
         for record in (model.state, model.input, model.parameters):
             tuple(leaves(record))
@@ -49,6 +51,31 @@ def check_model(model: Model) -> None:
     _check_arrays(model)
     if isinstance(model, Continuous):
         _check_delay(model)
+
+
+def _check_period(model: Sampled) -> None:
+    exact = isinstance(model.period, Fraction | int)
+    num, den = model.period.as_integer_ratio() if exact else (0, 1)
+    if num <= 0 or max(num, den) >= 2**53:
+        raise BuildError(
+            f"{model.name}: period = {model.period!r} is no sample time; write it in "
+            f"seconds as period=Fraction(1, 1000)"
+        )
+
+
+def _check_record(name: str, role: str, record: Any) -> None:
+    if is_record(record):
+        return
+    if isinstance(record, type) and hasattr(record, "_fields"):
+        raise BuildError(
+            f"{name}: {role} is the class {record.__name__}; give the start values, "
+            f"{record.__name__}()"
+        )
+    kind = record if isinstance(record, type) else type(record)
+    raise BuildError(
+        f"{name}: {role} is a {kind.__name__}, which is no NamedTuple; write "
+        f"class {role.capitalize()}(NamedTuple): and give {role.capitalize()}()"
+    )
 
 
 def _check_arrays(model: Model) -> None:

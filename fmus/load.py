@@ -17,6 +17,14 @@ from fmus.closure import NoSuchModule, closure, files_digest, is_file, module_na
 from fmus.model import Continuous, Model, Sampled
 
 PACKAGE = Path(__file__).parent
+# what CasADi says of a signal that Python takes for a number, and what we say
+MEANT = {
+    "truth value": "a signal is neither true nor false while it is traced: write "
+    "np.where(condition, a, b) for if, np.minimum and np.maximum for min and max, "
+    "np.logical_and and np.logical_or for and and or",
+    "iterate over m.nz": "an array of signals cannot be unpacked or looped over: "
+    "index it, as in x[0], or use NumPy on the whole",
+}
 _loaded: dict[str, str] = {}  # fingerprint of the file each module was loaded from
 
 
@@ -33,6 +41,8 @@ def sources(module: str) -> dict[str, Path]:
     try:
         return closure(module)
     except NoSuchModule as error:
+        if is_file(module):
+            raise BuildError("no such file") from None
         raise BuildError(
             f"{error}: give a dotted name such as plants.ball_screw, or the path "
             f"of a .py file"
@@ -81,6 +91,7 @@ def blame(error: Exception, files: Mapping[str, Path], what: str) -> str:
     own = {str(f) for f in files.values() if PACKAGE not in f.parents}
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename in own]
     reason = str(error).strip() or type(error).__name__
+    reason = next((ours for theirs, ours in MEANT.items() if theirs in reason), reason)
     if not frames:
         return f"{what}: {reason}"
     line = frames[-1]

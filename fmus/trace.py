@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 
 from fmus.model import Continuous, Model, Record, is_record, leaves
+from fmus.returned import called, pair_of, record_of
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ def trace(model: Model) -> Traced:
     """Return the model's equations as CasADi functions of stacked vectors.
 
     Raises:
-        ValueError: an equation lost a symbol to a Python float.
+        ValueError: an equation lost a symbol to a Python float, or a function
+            takes or returns what it should not.
     """
     with numpy_on_symbols():
         return _trace(model)
@@ -67,14 +69,14 @@ def _trace(model: Model) -> Traced:
     p = bake_constants(model.parameters, p)
 
     functions = {}
-    extra: tuple[Any, ...] = ()
+    extra: dict[str, Any] = {}
     D = ca.SX(0, 1)
     if model.prepare is not None:
-        timing = (T_s,) if not isinstance(model, Continuous) else ()
-        derived = model.prepare(p, *timing)
+        timing = {} if isinstance(model, Continuous) else {"T_s": T_s}
+        derived = record_of(model.prepare, called(model.prepare, p=p, **timing))
         functions["prepare"] = _function("prepare", {"p": P, "T_s": T_s}, d=derived)
         placeholders = symbols_like(derived)
-        D, extra = column(placeholders), (placeholders,)
+        D, extra = column(placeholders), {"d": placeholders}
     else:
         functions["prepare"] = ca.Function(
             "prepare", [P, T_s], [D], ["p", "T_s"], ["d"]
@@ -82,16 +84,22 @@ def _trace(model: Model) -> Traced:
 
     signals = {"x": X, "u": U, "p": P, "d": D}
     if isinstance(model, Continuous):
-        y = model.output(x, u, p, *extra)
-        der_x = model.derivative(x, u, p, *extra)
+        told = {"x": x, "u": u, "p": p}
+        y = record_of(model.output, called(model.output, **told, **extra))
+        der_x = called(model.derivative, **told, **extra)
+        record_of(model.derivative, der_x, model.state)
         functions["derivative"] = _function("derivative", signals, der_x=der_x)
         functions["output"] = _function("output", signals, y=y)
         if model.advance is not None:
-            x_next = model.advance(x, u, p, h, *extra)
+            x_next = called(model.advance, **told, h=h, **extra)
+            record_of(model.advance, x_next, model.state)
             timed = signals | {"h": h}
             functions["advance"] = _function("advance", timed, x_next=x_next)
     else:
-        x_next, y = model.step(x, u, p, T_s, *extra)
+        result = called(model.step, x=x, u=u, p=p, T_s=T_s, **extra)
+        x_next, y = pair_of(model.step, result)
+        record_of(model.step, x_next, model.state)
+        record_of(model.step, y)
         timed = signals | {"T_s": T_s}
         functions["step"] = _function("step", timed, x_next=x_next, y=y)
     return Traced(functions, zeros_like(y), D.numel())

@@ -1,5 +1,6 @@
 """The cache and the refusals in front of every FMU."""
 
+import errno
 import subprocess
 import sys
 import zipfile
@@ -206,6 +207,7 @@ def test_the_sources_inside_compile_into_the_same_model(tmp_path, fmi):
     ("options", "complaint"),
     [
         ({"module": "plants.nowhere"}, "there is no module 'plants.nowhere'"),
+        ({"module": "/nowhere/nope.py"}, "^no such file"),
         ({"module": "fmus.table"}, "fmus.table has no model"),
         ({"module": PI, "period": Fraction(0)}, "period of 0 s is not positive"),
         ({"module": PI, "period": Fraction(-1, 2)}, "period of -1/2 s is not positive"),
@@ -239,12 +241,26 @@ def test_options_that_do_not_go_together_are_refused(options, complaint):
         (
             "    e = u",
             "    if u.r > 0: pass\n    e = u",
-            r"pi.py:48: if u.r > 0: pass: ",
+            r"pi.py:48: if u.r > 0: pass: .*np.where",
         ),
+        (
+            "    e = u",
+            "    return None\n    e = u",
+            r"pi.py:\d+: step returned nothing; .*return State",
+        ),
+        ("State(q)", "Parameters(q)", r"step returned Parameters.*return State"),
+        ("p: Parameters, T_s: float)", "p: Parameters)", r"prepare: .*with .p, T_s"),
+        ("class State(NamedTuple)", "class State", r"State, which is no NamedTuple"),
+        ("step, State(),", "step, State,", r"is the class State; give .* State\(\)"),
+        ("Fraction(1, 2000)", "0.0005", r"write it .* period=Fraction"),
         ("np.fabs(v)", "float(v)", "cannot be traced: "),
         ("e = u.r - u.y", "e = u.r - (u.y", r"pi.py:48: '\(' was never closed"),
         ('"SmallPI"', '"Small PI"', "'Small PI' is no C identifier"),
-        ("Fraction(1, 2000)", "Fraction(-1, 2000)", "-1/2000 s is no period"),
+        (
+            "Fraction(1, 2000)",
+            "Fraction(-1, 2000)",
+            r"Fraction\(-1, 2000\) is no",
+        ),
         ("import numpy as np", "import numpy as np\n1/0", r"pi.py:\d+: 1/0: division"),
         (
             "] = 1.0",
@@ -288,3 +304,15 @@ def test_a_missing_tool_is_named(monkeypatch):
     monkeypatch.setattr(front, "TOOLS", {"native": ("no-such-compiler",)})
     with pytest.raises(BuildError, match=r"no-such-compiler is needed .*pip install"):
         build(PI)
+
+
+def test_a_full_disk_is_named_with_the_file_that_was_asked_for(monkeypatch, tmp_path):
+    def full(source, target):
+        Path(target).write_bytes(b"")
+        raise OSError(errno.ENOSPC, "No space left on device", str(source))
+
+    monkeypatch.setattr("fmus.build.shutil.copyfile", full)
+    with pytest.raises(OSError, match="No space") as refusal:
+        build(PI, folder=tmp_path / "out")
+    assert refusal.value.filename == str(tmp_path / "out" / "SmallPI.fmu")
+    assert not list((tmp_path / "out").iterdir())
