@@ -16,7 +16,8 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
 
     Raises:
         WiringError: no such variable, one that cannot be set, not as many numbers
-            as it has, or one that is not finite or out of its bounds.
+            as it has, true or false for a number, or one that is not finite or
+            out of its bounds.
     """
     written: list[Written] = []
     for section in ("parameters", "start"):
@@ -46,6 +47,12 @@ def _numbers(where: str, found: Sequence[Port], value: Value) -> list[Written]:
         raise WiringError(
             f"{where}: {len(found)} numbers expected, {len(numbers)} given"
         )
+    for port, one in zip(found, given, strict=True):
+        if isinstance(one, bool) and port.variable.sort == "real":
+            raise WiringError(
+                f"{where} = {str(one).lower()}: {port.full_name} is no switch; give a "
+                f"number in {port.unit or '1'}"
+            )
     if not all(map(isfinite, numbers)):
         raise WiringError(f"{where} = {value}: must be a finite number")
     whole: dict[str, tuple[FmuVariable, list[float]]] = {}
