@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from orchestrator.evaluation.expectation import Check
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import NoValue, Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.reading import Scenario
@@ -40,8 +40,7 @@ class Run(Result):
             "scenario": self.scenario.name,
             "stop": float(self.composition.system.stop),
             "metrics": {
-                name: {"value": figure.value, "unit": figure.unit}
-                for name, figure in self.metrics.items()
+                name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "timing": timing
             and {
@@ -52,3 +51,9 @@ class Run(Result):
             | ({"profile": timing.profile.as_json()} if timing.profile else {}),
             "result": str(self.folder),
         }
+
+
+def _summed_up(figure: Quantity) -> dict[str, Any]:
+    if isinstance(figure, NoValue):
+        return {"value": None, "unit": figure.unit, "why": figure.why}
+    return {"value": figure.value, "unit": figure.unit}

@@ -7,7 +7,7 @@ number ``0.5`` are exact fractions of a second (a rate stands for its period).
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -131,6 +131,23 @@ class Quantity:
         return f"{self.value:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
 
 
+@dataclass(frozen=True)
+class NoValue(Quantity):
+    """A figure that a run does not have, say a settling time of what never settles.
+
+    ``why`` says so in words; ``value`` is nan, so that no bound is ever met.
+    """
+
+    value: float = field(default=float("nan"), init=False, compare=False)
+    why: str = field(kw_only=True)
+
+    def to(self, unit: str | None) -> "NoValue":
+        return replace(self, unit=Quantity(0.0, self.unit).to(unit).unit)
+
+    def __str__(self) -> str:
+        return self.why
+
+
 def parse_quantity(text: str) -> Quantity:
     """Return a number with its unit, written ``"3.18e-3 m/rad"``.
 
@@ -149,9 +166,16 @@ def converter(source: str, sink: str) -> Callable[[Any], Any]:
     Raises:
         fmus.units.UnitError: the units have different dimensions.
     """
-    from fmus.units import base_unit, conversion
+    from fmus.units import UnitError, base_unit, conversion
 
-    gain, offset, *_ = conversion(base_unit(source), base_unit(sink))
+    ours, theirs = base_unit(source), base_unit(sink)
+    try:
+        gain, offset, *_ = conversion(ours, theirs)
+    except UnitError:
+        given, wanted = ("a pure number" if u == "1" else u for u in (source, sink))
+        raise UnitError(
+            f"{given} cannot become {wanted}; they measure different quantities"
+        ) from None
     return lambda value: gain * value + offset
 
 

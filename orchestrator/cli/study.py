@@ -14,6 +14,7 @@ from orchestrator.cli.output import (
 )
 from orchestrator.cli.run import Verbose
 from orchestrator.cli.running import simulate
+from orchestrator.evaluation.compare import number
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
@@ -25,7 +26,7 @@ COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
 
 @command
 def demo(verbose: Verbose = False) -> None:
-    """Co-simulate two published controllers of a ball-screw drive and compare them."""
+    """Co-simulate a P-PI cascade and pole placement on one ball-screw drive."""
     from orchestrator.report.page import write_report
     from orchestrator.scenario.reading import load_scenario
 
@@ -61,7 +62,7 @@ def print_comparison(runs: "list[Run]", title: str) -> None:
         after = after.to(before.unit)
         lower = 100 * (1 - after.value / before.value) if before.value else 0.0
         reduction = f"{lower:z.1f} %" if abs(lower) < 1000 else ""
-        values = [f"{q.value:.4g}" for q in (before, after)]
+        values = [number(q, digits=4) for q in (before, after)]
         rows.append([name, *values, before.unit, reduction])
     head = ["figure", *(f">{name}" for name in names_of(runs)), "unit", ">reduction"]
     print_table(head, rows, title)
@@ -120,8 +121,8 @@ def print_figures(study: str, figures: "list[Figure]") -> None:
     head = ("figure", "where", ">published", ">ours", "unit", ">difference", "class")
     print_table([*head, "verdict"], rows, study)
     for f in figures:
-        if f.spec.why:
-            typer.echo(f"  {f.spec.id}: {f.spec.why}")
+        if f.why:
+            typer.echo(f"  {f.spec.id}: {f.why}")
     counts: dict[str, int] = {}
     for f in figures:
         counts[f.verdict] = counts.get(f.verdict, 0) + 1

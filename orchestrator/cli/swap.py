@@ -6,6 +6,7 @@ both.  A map is never applied without having been given.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,8 @@ import typer
 
 from orchestrator.cli.output import print_table, waiting
 from orchestrator.cli.running import load, simulate
+from orchestrator.evaluation.compare import change, number
+from orchestrator.quantity import NoValue
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from orchestrator.scenario.reading import Scenario
 
 ORIGINAL = "original"
+SWAPPED = "swapped"
 OF_BOTH = ("step", "offset", "latency")
 
 
@@ -130,16 +134,19 @@ def print_swap(first: "Run", second: "Run") -> None:
             continue
         after = after.to(before.unit)
         difference = after.value - before.value
-        share = f"{100 * difference / before.value:+z.2f} %" if before.value else ""
         rows.append(
             [
                 name,
-                f"{before.value:.6g}",
-                f"{after.value:.6g}",
-                f"{difference:+.3g}",
+                number(before),
+                number(after),
+                "" if isnan(difference) else f"{difference:+.3g}",
                 "" if before.unit == "1" else before.unit,
-                share,
+                change(name, first.metrics, second.metrics),
             ]
         )
-    head = ["figure", f">{ORIGINAL}", ">swapped", ">difference", "unit", ">change"]
+    head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
+    for run, name in ((first, ORIGINAL), (second, SWAPPED)):
+        for figure, value in run.metrics.items():
+            if isinstance(value, NoValue):
+                typer.echo(f"{name}: {figure}: {value.why}")

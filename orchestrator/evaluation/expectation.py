@@ -8,16 +8,20 @@ import numpy as np
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.schema import Expectation
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import NoValue, Quantity
 
 
 @dataclass(frozen=True)
 class Check:
-    """One expectation: the figure it is about, whether it is met, in words."""
+    """One expectation: the figure it is about, whether it is met, in words.
+
+    ``decided`` is false if the run does not have the figure; then it is not met.
+    """
 
     figure: str
     met: bool
     text: str
+    decided: bool = True
 
 
 def check(
@@ -50,4 +54,7 @@ def _check(name: str, e: Expectation, figures: Mapping[str, Quantity]) -> Check:
     if e.near is not None and e.within is not None:
         wanted.append(f"{e.near:g} within {e.within:g}")
         met &= abs(value.value - e.near) <= e.within
-    return Check(name, bool(met), f"{name} = {value}, expected {' and '.join(wanted)}")
+    expected = f"expected {' and '.join(wanted)}"
+    if isinstance(value, NoValue):
+        return Check(name, False, f"{name}: {value}; {expected}", decided=False)
+    return Check(name, bool(met), f"{name} = {value}, {expected}")

@@ -1,10 +1,13 @@
 """Figures of a recorded run, with their units.
 
 Signals are compared row by row at equal times; signals recorded at different
-times are refused, never interpolated.
+times are refused, never interpolated.  A figure that this run does not have (it
+never settled, say) is a ``NoValue`` with its reason, and so is one that is too
+large for a number; only what is written wrongly is refused.
 """
 
 from collections.abc import Callable, Mapping
+from math import isfinite, isnan
 from typing import TypeAlias
 
 import numpy as np
@@ -32,6 +35,7 @@ from orchestrator.evaluation.schema import (
     SustainedMetric,
 )
 from orchestrator.quantity import (
+    NoValue,
     Quantity,
     converter,
     parse_quantity,
@@ -60,11 +64,20 @@ def evaluate(
     figures = {}
     for name, spec in specs.items():
         try:
-            for key, value in _figures(spec, signals, parameter).items():
-                figures[f"{name}.{key}"] = value
+            with np.errstate(all="ignore"):  # what overflows has no value
+                found = _figures(spec, signals, parameter)
+            for key, figure in found.items():
+                figures[f"{name}.{key}"] = _in_range(figure)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
     return figures
+
+
+def _in_range(figure: Quantity) -> Quantity:
+    if isinstance(figure, NoValue) or isfinite(figure.value):
+        return figure
+    why = "not a number" if isnan(figure.value) else "too large for a number"
+    return NoValue(figure.unit, why=why)
 
 
 def scaled(
@@ -148,7 +161,11 @@ def _figures(
         level = _beside(of, taken["level"])
         times = float(spec.dwell), float(spec.tail)
         found = sustained(time - start, y, level.values[rows], *times, spec.span)
-        return {"level": Quantity(found, level.unit)}
+        if found is not None:
+            return {"level": Quantity(found, level.unit)}
+        highest = Quantity(float(level.values[rows][-1]), level.unit)
+        why = f"no oscillation of more than {Quantity(spec.span, unit)} up to {highest}"
+        return {"level": NoValue(level.unit, why=why)}
     if isinstance(spec, OnsetMetric):
         ramp = _beside(of, taken["ramp"])
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
@@ -161,9 +178,12 @@ def _figures(
         return {"amplitude": amplitude, "phase": _phase(c)}
     against = _beside(of, taken["against"])
     base = sine_fit(time, against.values[rows], hertz)
+    of_both = quotient_unit(unit, against.unit)
     if base == 0:
-        raise ScenarioError(f"{against.name} has no component at {hertz:g} Hz")
-    ratio = Quantity(abs(c / base), quotient_unit(unit, against.unit))
+        why = f"{against.name} has no component at {hertz:g} Hz"
+        none = NoValue(of_both, why=why)
+        return {"ratio": none.to(spec.unit), "phase": NoValue("deg", why=why)}
+    ratio = Quantity(abs(c / base), of_both)
     return {"ratio": ratio.to(spec.unit), "phase": _phase(c / base)}
 
 
@@ -191,22 +211,21 @@ def _of_error(e: Array, unit: str) -> dict[str, Quantity]:
 def settling(time: Array, y: Array, band: float, unit: str) -> dict[str, Quantity]:
     """Return peak, its time, and the first time after which |y| <= band * peak.
 
-    ``time`` (n,) in s and ``y`` (n,), zero when settled.
-
-    Raises:
-        ScenarioError: y is still outside the band in the last row.
+    ``time`` (n,) in s and ``y`` (n,), zero when settled.  If the last row is outside
+    the band, that time has no value.
     """
     size = np.abs(y)
     top = int(np.argmax(size))
     outside = np.flatnonzero(size > band * size[top])
     first = int(outside[-1]) + 1 if len(outside) else 0
-    if first == len(y):
-        raise ScenarioError(
-            f"the signal has not settled to {100 * band:g} % of its peak by "
-            f"{time[-1]:g} s; give the run a later stop"
-        )
+    settled = Quantity(float(time[first]), "s") if first < len(y) else None
     return {
-        "settling": Quantity(float(time[first]), "s"),
+        "settling": settled
+        or NoValue(
+            "s",
+            why=f"not settled: {Quantity(float(y[-1]), unit)} at {time[-1]:g} s is "
+            f"beyond {100 * band:g} % of the peak",
+        ),
         "peak": Quantity(float(size[top]), unit),
         "peak_time": Quantity(float(time[top]), "s"),
     }

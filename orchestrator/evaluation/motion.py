@@ -1,10 +1,14 @@
-"""Figures of positioning: step responses, contours of two axes, stability limits."""
+"""Figures of positioning: step responses, contours of two axes, stability limits.
+
+What a run does not show (it never settles, nothing oscillates) is a figure
+without a value that says why.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import NoValue, Quantity
 
 Array = NDArray[np.float64]
 
@@ -17,10 +21,11 @@ def step_response(
 
     ``y`` (n,) rises from 0 to ``height`` at time 0; crossings are interpolated,
     the positioning time is the first row after the last one with
-    |height - y| > band, all in the unit of ``y``.
+    |height - y| > band, all in the unit of ``y``.  A level that is not reached, or
+    an error that ends outside the band, leaves its times without a value.
 
     Raises:
-        ScenarioError: y does not reach 90 %, or ends outside the band.
+        ScenarioError: the height is 0.
     """
     if height == 0:
         raise ScenarioError("height: a step of height 0 has no response")
@@ -29,29 +34,32 @@ def step_response(
     e = height - y
     outside = np.flatnonzero(np.abs(e) > band)
     settled = int(outside[-1]) + 1 if len(outside) else 0
-    if settled == len(y):
-        raise ScenarioError(
-            f"the error is {e[-1]:g} {unit} at {time[-1]:g} s, outside the band of "
-            f"{band:g} {unit}; give the run a later stop or a wider band"
-        )
+    rise = t_90 if isinstance(t_90, NoValue) else Quantity(t_90.value - t_10.value, "s")
+    settling = Quantity(float(time[settled]), "s") if settled < len(y) else None
     return {
-        "rise": Quantity(t_90 - t_10, "s"),
-        "reach": Quantity(t_90, "s"),
+        "rise": rise,
+        "reach": t_90,
         "overshoot": Quantity(100 * max(0.0, float(np.max(part)) - 1), "%"),
-        "settling": Quantity(float(time[settled]), "s"),
+        "settling": settling
+        or NoValue(
+            "s",
+            why=f"not settled: the error is {Quantity(float(e[-1]), unit)} at "
+            f"{time[-1]:g} s, outside the band of {Quantity(band, unit)}",
+        ),
         "error": Quantity(float(e[-1]), unit),
     }
 
 
-def _first_crossing(time: Array, y: Array, level: float) -> float:
+def _first_crossing(time: Array, y: Array, level: float) -> Quantity:
     above = np.flatnonzero(y >= level)
     if len(above) == 0:
-        raise ScenarioError(f"the signal does not reach {100 * level:g} % of height")
+        nearest = f"{100 * np.max(y):.4g} % at most by {time[-1]:g} s"
+        return NoValue("s", why=f"{100 * level:g} % of height not reached: {nearest}")
     k = int(above[0])
     if k == 0:
-        return float(time[0])
+        return Quantity(float(time[0]), "s")
     fraction = (level - y[k - 1]) / (y[k] - y[k - 1])
-    return float(time[k - 1] + fraction * (time[k] - time[k - 1]))
+    return Quantity(float(time[k - 1] + fraction * (time[k] - time[k - 1])), "s")
 
 
 def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
@@ -85,14 +93,12 @@ def nearest_on_contour(
 
 def sustained(
     time: Array, y: Array, level: Array, dwell: float, tail: float, span: float
-) -> float:
+) -> float | None:
     """Return the level on the first stair that ends in a sustained oscillation.
 
     ``level`` (n,) is held for ``dwell`` (s) on each stair, from time 0; ``y`` (n,)
-    oscillates if it spans more than ``span`` in the last ``tail`` (s) of a stair.
-
-    Raises:
-        ScenarioError: y is at rest at the end of every stair.
+    oscillates if it spans more than ``span`` in the last ``tail`` (s) of a stair;
+    None if it does on no stair.
     """
     slack = 1e-9 * dwell
     for stair in range(int((time[-1] + slack) // dwell)):
@@ -100,10 +106,7 @@ def sustained(
         rows = (time >= end - tail - slack) & (time < end - slack)
         if np.ptp(y[rows]) > span:
             return float(level[rows][0])
-    raise ScenarioError(
-        f"no oscillation of more than {span:g} on any stair up to level "
-        f"{level[-1]:g}; raise the levels or give the run a later stop"
-    )
+    return None
 
 
 def onset(
@@ -113,9 +116,7 @@ def onset(
 
     The logarithm of its size, piece by piece (s), is smallest there (parabola
     through the three lowest pieces).  Second differences leave slow motion out.
-
-    Raises:
-        ScenarioError: the oscillation only decays or only grows.
+    An oscillation that only decays or only grows leaves both without a value.
     """
     rows = max(2, round(piece * (len(time) - 1) / (time[-1] - time[0])))
     count = len(y) // rows
@@ -123,10 +124,12 @@ def onset(
     size = np.std(curvature[: count * rows].reshape(count, rows), axis=1)
     lowest = int(np.argmin(size))
     if not 0 < lowest < count - 1:
-        raise ScenarioError(
-            "the oscillation does not first decay and then grow: no onset between "
-            f"{ramp[0]:g} and {ramp[-1]:g} {unit}"
+        ends = f"{ramp[0]:g} and {Quantity(float(ramp[-1]), unit)}"
+        why = (
+            f"no onset between {ends}: the oscillation does not first decay and then "
+            "grow"
         )
+        return {"limit": NoValue(unit, why=why), "time": NoValue("s", why=why)}
     left, here, right = np.log(size[lowest - 1 : lowest + 2])
     middle = lowest + 0.5 * (left - right) / (left - 2 * here + right)
     at = float(np.interp((middle + 0.5) * rows - 0.5, np.arange(len(time)), time))

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
+from orchestrator.evaluation.compare import change
 from orchestrator.faults import describe
-from orchestrator.quantity import Quantity, rate
+from orchestrator.quantity import rate
 from orchestrator.report.contour import contours
 from orchestrator.report.figure import figure, name_of, names_of
 
@@ -72,19 +73,12 @@ def _metrics(runs: "Sequence[Run]") -> str:
     for name in names:
         values = [run.metrics.get(name) for run in runs]
         row = [escape(name), *(escape(str(v)) if v else "" for v in values)]
-        if compared:  # a mean is not to be lowered
-            row.append("" if name.endswith(".mean") else _change(*values))
+        if compared:
+            row.append(escape(change(name, *(run.metrics for run in runs))))
         if "expected" in head:
             row.append(_checked(runs, name))
         rows.append(row)
     return _table(head, rows)
-
-
-def _change(first: Quantity | None, second: Quantity | None) -> str:
-    if first is None or second is None or first.unit != second.unit or not first.value:
-        return ""
-    change = 100 * (second.value / first.value - 1)
-    return f"{change:+z.1f} %" if abs(change) < 1e4 else ""
 
 
 def _checked(runs: "Sequence[Run]", name: str) -> str:

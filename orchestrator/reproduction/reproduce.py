@@ -2,9 +2,9 @@
 
 ``reference.toml`` (see ``reference.py``) says where each of our values comes from;
 every distinct run and call is made once.  Verdicts: ``FAILED``
-(acceptance missed), ``matches`` or ``differs`` (against the published number),
-``holds`` (acceptance met, nothing numeric published), ``computed``,
-``out of reach``.
+(acceptance missed, or the run does not have the figure), ``matches`` or
+``differs`` (against the published number), ``holds`` (acceptance met, nothing
+numeric published), ``computed``, ``out of reach``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import NoValue, Quantity
 from orchestrator.reproduction.formula import evaluate_formula
 from orchestrator.reproduction.reference import FigureSpec, read_reference
 from orchestrator.scenario.design import find_function
@@ -31,11 +31,15 @@ Told: TypeAlias = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Figure:
-    """A published figure, ours, and the verdict; ``difference`` is ours - published."""
+    """A published figure, ours, and the verdict; ``difference`` is ours - published.
+
+    ``lost`` says why the run did not have the figure it should have.
+    """
 
     spec: FigureSpec
     value: float | None
     verdict: str
+    lost: str = ""
 
     @property
     def difference(self) -> float | None:
@@ -43,6 +47,11 @@ class Figure:
         if self.value is None or not isinstance(published, float | int):
             return None
         return self.value - published
+
+    @property
+    def why(self) -> str:
+        """Why ours is missing or far from the published one, as far as known."""
+        return "; ".join(text for text in (self.lost, self.spec.why) if text)
 
     def row(self) -> dict[str, Any]:
         """Return the object that ``reproduce --json`` prints for this figure."""
@@ -57,7 +66,7 @@ class Figure:
             "expected": self.spec.expected,
             "tolerance": self.spec.tolerance,
             "difference": self.difference,
-            "why": self.spec.why,
+            "why": self.why,
         }
 
 
@@ -90,7 +99,7 @@ def reproduce(
     at_once = processes or (2 if len(jobs) > 4 else 1)
     measured = run_all(list(jobs), runs, at_once, told)
     called: dict[str, Any] = {}
-    values: dict[str, float | None] = {}
+    values: dict[str, Quantity | None] = {}
     for spec in needed:  # ingredients come before what is made of them
         try:
             values[spec.id] = _value(spec, folder, measured, called, values)
@@ -177,23 +186,32 @@ def _value(
     folder: Path,
     measured: Mapping[Job, Mapping[str, Quantity]],
     called: dict[str, Any],
-    values: Mapping[str, float | None],
-) -> float | None:
+    values: Mapping[str, Quantity | None],
+) -> Quantity | None:
     if spec.scenario is not None and spec.metric is not None:
         figures = measured[_job(spec, folder)]
         if spec.metric not in figures:
             remedy = did_you_mean(spec.metric, figures)
             raise ScenarioError(f"{spec.scenario} has no {spec.metric!r}; {remedy}")
-        return figures[spec.metric].to(spec.unit).value
+        return figures[spec.metric].to(spec.unit)
     if spec.call is not None:
-        return _called(spec, called)
+        return Quantity(_called(spec, called), spec.unit)
     if spec.formula is not None:
-        ingredients = {name: values[of] for name, of in spec.with_.items()}
-        if any(value is None for value in ingredients.values()):
-            return None
-        known = {k: v for k, v in ingredients.items() if v is not None}
-        return evaluate_formula(spec.formula, known)
+        return _made_of(spec, spec.formula, values)
     return None
+
+
+def _made_of(
+    spec: FigureSpec, formula: str, values: Mapping[str, Quantity | None]
+) -> Quantity | None:
+    ingredients = {name: values[of] for name, of in spec.with_.items()}
+    for name, value in ingredients.items():
+        if isinstance(value, NoValue):
+            return NoValue(spec.unit, why=f"{spec.with_[name]}: {value.why}")
+    known = {k: v.value for k, v in ingredients.items() if v is not None}
+    if len(known) < len(ingredients):
+        return None
+    return Quantity(evaluate_formula(formula, known), spec.unit)
 
 
 def _called(spec: FigureSpec, called: dict[str, Any]) -> float:
@@ -215,10 +233,13 @@ def _called(spec: FigureSpec, called: dict[str, Any]) -> float:
     return float(found[spec.key])
 
 
-def _judge(spec: FigureSpec, value: float | None, agreement: float) -> Figure:
-    figure = Figure(spec, value, "out of reach")
-    if value is None:
-        return figure
+def _judge(spec: FigureSpec, found: Quantity | None, agreement: float) -> Figure:
+    if found is None:
+        return Figure(spec, None, "out of reach")
+    if isinstance(found, NoValue):
+        return Figure(spec, None, "FAILED", found.why)
+    value = found.value
+    figure = Figure(spec, value, "")
     missed = (
         spec.expected is not None
         and spec.tolerance is not None

@@ -63,6 +63,23 @@ def test_a_composition_that_misses_its_bounds_fails_and_says_where(
     assert "Traceback" not in text
 
 
+def test_a_figure_the_run_does_not_have_fails_with_reason_stretch_and_report(
+    example: pytest.Pytester,
+) -> None:
+    (example.path / "tests" / "weak_gain.toml").write_text(WEAK.replace("0.5", "0.02"))
+    result = run(example, "tests/weak_gain.toml")
+    result.assert_outcomes(failed=1)
+    lost = re.search(
+        r"speed.settling: not settled: the error is -198.\d+ rad/s at 0.1 s, outside "
+        r"the band of 2 rad/s; expected below 30\n"
+        r" +motor.omega - 100 rad/s: worst from ([\d.]+) s to 0.1 s",
+        result.stdout.str(),
+    )
+    assert lost is not None, result.stdout.str()
+    assert "speed.overshoot = 207" in result.stdout.str()
+    assert "report: " in result.stdout.str()
+
+
 def test_a_scenario_with_a_mistake_fails_with_one_paragraph(
     example: pytest.Pytester,
 ) -> None:

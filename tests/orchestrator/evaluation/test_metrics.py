@@ -8,7 +8,7 @@ from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import Expectation, MetricSpec
-from orchestrator.quantity import Quantity
+from orchestrator.quantity import NoValue, Quantity
 from orchestrator.result import Signal
 
 TIME = np.arange(2001) / 1000
@@ -80,10 +80,30 @@ def test_settling_is_the_first_row_after_which_the_band_is_kept():
     assert found["m.peak_time"].value == 0.0
 
 
-def test_what_does_not_settle_is_said_so():
+def test_what_does_not_settle_keeps_its_other_figures_and_says_why():
     ringing = signal(np.sin(2 * np.pi * 5.3 * TIME))
-    with pytest.raises(ScenarioError, match="later stop"):
-        figures({"kind": "settling", "of": "plant.x"}, {"plant.x": ringing})
+    found = figures({"kind": "settling", "of": "plant.x"}, {"plant.x": ringing})
+    assert isinstance(found["m.settling"], NoValue)
+    assert "not settled" in str(found["m.settling"])
+    assert found["m.peak"].value == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_figure_too_large_for_a_number_has_no_value_and_warns_of_nothing():
+    signals = {"plant.x": signal(1e200 * TIME)}
+    found = figures({"kind": "rms", "of": "plant.x"}, signals)
+    assert found == {"m.rms": NoValue("rad", why="too large for a number")}
+    assert figures({"kind": "peak", "of": "plant.x"}, signals)["m.peak"].value == 2e200
+
+
+def test_a_stair_that_never_oscillates_and_a_sine_that_is_not_there_have_no_value():
+    signals = {"plant.x": signal(0.0), "gain.K": signal(3.0, "V")}
+    stairs = {"kind": "sustained", "of": "plant.x", "level": "gain.K", "span": 0.5}
+    found = figures(stairs | {"dwell": "1/2", "tail": "1/10"}, signals)["m.level"]
+    assert found == NoValue("V", why="no oscillation of more than 0.5 rad up to 3 V")
+    sine = {"kind": "sine", "of": "gain.K", "against": "plant.x", "frequency_hz": 5.0}
+    found = figures(sine | {"unit": "V/deg"}, signals)
+    assert found["m.ratio"].unit == "V/deg"
+    assert "no component" in str(found["m.phase"])
 
 
 def test_the_ratio_of_two_sines_is_gain_and_phase():
@@ -146,3 +166,12 @@ def test_expectations_convert_units_and_refuse_not_a_number():
     assert not result.met
     with pytest.raises(ScenarioError, match=r"m\.peak"):
         check({"m.paek": Expectation(below=1.0)}, found)
+
+
+def test_an_expectation_on_what_has_no_value_is_unmet_with_the_reason():
+    found = {"m.settling": NoValue("s", why="not settled: 3 um at 2 s")}
+    (result,) = check({"m.settling": Expectation(below=30, unit="ms")}, found)
+    assert (result.met, result.decided) == (False, False)
+    assert result.text == "m.settling: not settled: 3 um at 2 s; expected below 30"
+    with pytest.raises(ScenarioError, match=r"m\.settling"):
+        check({"m.settling": Expectation(below=30, unit="mm")}, found)

@@ -107,6 +107,27 @@ def test_every_source_gives_its_figure_and_verdict(study):
     assert figures["rope.pull"].difference == pytest.approx(-0.02)
 
 
+def test_a_figure_the_run_does_not_have_is_failed_and_so_is_what_is_made_of_it(study):
+    scenario, reference = study / "snap.toml", study / "reference.toml"
+    scenario.write_text(
+        scenario.read_text()
+        + 'late = { kind = "step", of = "rope.d_2", height = 9.0, band = 0.1 }\n'
+    )
+    reference.write_text(
+        REFERENCE.replace('"pull.peak"', '"late.settling"', 1).replace(
+            'unit = "V"', 'unit = "s"', 1
+        )
+    )
+    figures = {f.spec.id: f for f in reproduce(study, "rope.*", processes=1)}
+    for name in ("rope.pull", "rope.reduction"):
+        assert (figures[name].value, figures[name].verdict) == (None, "FAILED")
+        assert "not settled: the error is" in figures[name].row()["why"]
+    assert figures["rope.double_pull"].verdict == "differs"
+    result = CliRunner().invoke(app, ["reproduce", "small_study", "--only", "rope.*"])
+    assert result.exit_code == 1
+    assert "not settled" in result.stdout
+
+
 def test_two_processes_give_the_same_figures(study):
     alone, together = (reproduce(study, "rope.*", processes=n) for n in (1, 2))
     assert [f.value for f in alone] == [f.value for f in together]

@@ -1,0 +1,64 @@
+"""A run that goes badly is told in figures: what it lacks, and why."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from typer.testing import CliRunner
+
+from orchestrator.cli import app
+
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "own_drive"
+
+
+@pytest.fixture
+def drive(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The own drive of the docs, in the current folder."""
+    for part in ("models", "tests"):
+        shutil.copytree(EXAMPLE / part, tmp_path / part)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    return tmp_path / "tests" / "speed_step.toml"
+
+
+def feeddrive(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def test_a_drive_that_does_not_settle_keeps_its_figures_and_report(drive: Path) -> None:
+    result = feeddrive("run", drive, "--set", "controller.K_p=0.02", "-o", "out")
+    assert result.exit_code == 1
+    assert "not settled: the error is -198.446 rad/s at 0.1 s" in result.stdout
+    assert "207.351" in result.stdout
+    assert "speed.settling: not settled" in result.stderr
+    assert "speed.overshoot" not in result.stderr  # a changed scenario may differ
+    found = json.loads(Path("out/metrics.json").read_text())["metrics"]
+    assert found["speed.settling"]["value"] is None
+    assert found["speed.settling"]["why"].startswith("not settled: the error")
+    assert found["speed.overshoot"]["value"] == pytest.approx(207.351, abs=1e-3)
+    assert "not settled: the error" in Path("out/report.html").read_text()
+
+
+def test_a_swap_that_does_not_settle_stands_beside_the_original(drive: Path) -> None:
+    text = Path("models/speed_pi.py").read_text()
+    assert "= 1.5" in text
+    Path("models/their_pi.py").write_text(text.replace("= 1.5", "= 0.02"))
+    swap = ("--swap", "controller=models/their_pi.py", "-o", "out")
+    result = feeddrive("run", drive, *swap)
+    assert result.exit_code == 1
+    assert "Original against swapped" in result.stdout
+    assert "swapped: speed.settling: not settled" in result.stdout
+    assert "original: speed.settling" not in result.stdout
+    printed = json.loads(feeddrive("run", drive, *swap, "--json").stdout)
+    assert printed["metrics"]["speed.settling"]["value"] is None
+    assert printed["original"]["speed.settling"]["value"] > 0
+
+
+def test_a_wrong_signal_of_a_metric_is_refused_before_the_run(drive: Path) -> None:
+    drive.write_text(drive.read_text().replace('of = "motor.omega"', 'of = "motor.w"'))
+    result = feeddrive("run", drive, "-o", "out")
+    assert result.exit_code == 2
+    assert "motor.w" in result.stderr
+    assert not Path("out").exists()
