@@ -6,6 +6,7 @@ what a killed run had flushed stays readable; ``close`` turns the streams into
 Parquet.
 """
 
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
@@ -29,6 +30,25 @@ PARQUET: dict[str, Any] = {
     "column_encoding": "BYTE_STREAM_SPLIT",
     "compression": "zstd",
 }
+
+
+def refuse_no_room(
+    folder: Path, tables: Mapping[Fraction, tuple[Column, ...]], stop: Fraction
+) -> None:
+    """Refuse a run whose rows would not fit on the disk, before it begins.
+
+    Raises:
+        SimulationError: there is less space than the rows need.
+    """
+    rows = {period: stop // period + 1 for period in tables}
+    needed = sum(8 * n * (1 + len(tables[period])) for period, n in rows.items())
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise SimulationError(
+            f"{folder}: {sum(rows.values()):,} rows need about {needed / 1e9:.3g} GB, "
+            f"{free / 1e9:.3g} GB are free; record less, give [record] a longer "
+            f"period, or lower stop"
+        )
 
 
 class Recorder:

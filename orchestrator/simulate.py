@@ -31,7 +31,7 @@ from orchestrator.initialise import initialise
 from orchestrator.instances.instance import Instance, LogMessage
 from orchestrator.instances.load import load
 from orchestrator.profile import Profile, Spent
-from orchestrator.recorder import Recorder
+from orchestrator.recorder import Recorder, refuse_no_room
 from orchestrator.result import Result, Timing
 from orchestrator.system import Isolation, System
 from orchestrator.timetable import Timetable
@@ -77,6 +77,8 @@ def simulate(
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)
+    folder.mkdir(parents=True, exist_ok=True)
+    refuse_no_room(folder, wiring.tables, system.stop)
     vector = np.zeros(wiring.size)
     shared: dict[Path, Path] = {}
     with ExitStack() as stack:

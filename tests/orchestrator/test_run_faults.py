@@ -244,7 +244,7 @@ def begun(
     command: Command, mode: str, more: str, at: float = 1e9
 ) -> "subprocess.Popen[str]":
     """Start an endless run and return it when it has written rows."""
-    process = command.start(mode, at=at, stop=1e6, step="1/1000", more=more)
+    process = command.start(mode, at=at, stop=1e5, step="1/1000", more=more)
     result = command.folder / "result"
     wait_until(lambda: sum(f.stat().st_size for f in result.glob("*.arrows")) > 5000)
     return process
