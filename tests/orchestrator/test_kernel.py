@@ -11,8 +11,9 @@ from foreign import TYPES, foreign
 from systems import part, system
 
 import orchestrator.kernel_library
-from fmus.compile import CompileError
+from fmus.compile import PLATFORMS, CompileError, compile_alone
 from orchestrator.errors import SimulationError
+from orchestrator.kernel_library import SOURCES
 from orchestrator.result import Result
 from orchestrator.simulate import Choice, simulate
 from orchestrator.system import Component, Isolation, Mapped, System
@@ -153,3 +154,9 @@ def test_an_interrupted_run_leaves_its_rows_readable(tmp_path: Path) -> None:
     kept = Result(tmp_path)["c.k"].values
     assert 0 < len(kept) < 10**8
     np.testing.assert_array_equal(kept, np.arange(len(kept)))
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_it_compiles_for_every_platform(platform: str, tmp_path: Path) -> None:
+    sources = {file.name: file.read_text(encoding="utf-8") for file in SOURCES}
+    assert compile_alone("kernel", sources, platform, tmp_path).is_file()
