@@ -40,6 +40,12 @@ class SimulationError(FeedDriveError):
     exit_code = 1
 
 
+class Interrupted(FeedDriveError):
+    """A run was stopped by Ctrl-C after rows had been written; says where they are."""
+
+    exit_code = 130
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return a remedy for a misspelt name: the nearest, or all there are."""
     names = sorted(known)
@@ -47,5 +53,6 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         return f"did you mean {' or '.join(map(repr, near))}?"
     if not names:
         return "there are none."
-    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    more = f" and {len(names) - 12} more" if len(names) > 12 else ""
+    shown = ", ".join(names[:12]) + more
     return f"there are: {shown}."

@@ -1,8 +1,8 @@
 """The command ``feeddrive``: verbs only, each a few lines on the Python API.
 
-Figures go to stdout (with ``--json`` one JSON object and nothing else), progress
-and logs to stderr.  Exit code 0 done, 1 a run or an expectation failed, 2 wrong
-usage or input, 130 interrupted; never a traceback.
+Figures go to stdout (with ``--json`` one JSON object and nothing else, of an error
+its text), progress and logs to stderr.  Exit code 0 done, 1 a run or an expectation
+failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 """
 
 import typer
@@ -18,6 +18,7 @@ app = typer.Typer(
 )
 for verb in (
     study.demo,
+    study.scenarios,
     fmus.models,
     fmus.build,
     fmus.info,

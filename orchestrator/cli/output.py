@@ -12,6 +12,7 @@ from functools import cache
 from math import isfinite
 from textwrap import fill
 from time import perf_counter
+from traceback import extract_tb
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 import typer
@@ -25,7 +26,10 @@ Progress = Callable[[Fraction], None]
 
 
 def command(function: Callable[P, None]) -> Callable[P, None]:
-    """Let every refusal end in one paragraph on stderr and an exit code."""
+    """Let every refusal end in one paragraph on stderr and an exit code.
+
+    With ``--json`` stdout gets {"error": "..."} besides.
+    """
 
     @functools.wraps(function)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
@@ -34,6 +38,14 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         from fmus.units import UnitError
         from orchestrator.errors import FeedDriveError
 
+        def fail(message: str, code: int) -> None:
+            if kwargs.get("json"):
+                with _stdout_closed_when_full():
+                    print_json({"error": message})
+            typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
+            typer.echo(message, err=True)
+            raise typer.Exit(code)
+
         try:
             function(*args, **kwargs)
         except FeedDriveError as error:
@@ -41,12 +53,16 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         except (BuildError, CompileError, UnitError) as error:
             fail(str(error), 2)
         except BrokenPipeError:  # the reader, say `head`, has seen enough
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            _close_stdout()
             raise typer.Exit(0) from None
         except OSError as error:
-            fail(f"{error.filename or 'a file'}: {error.strerror or error}", 1)
+            reason = error.strerror or str(error)
+            if error.filename is None and _was_printing(error):
+                _close_stdout()
+                reason = f"standard output: {reason}"
+            fail(f"{error.filename}: {reason}" if error.filename else reason, 1)
         except KeyboardInterrupt:
-            fail("interrupted; what was recorded until then can be read", 130)
+            fail("interrupted", 130)
         except (typer.Exit, typer.Abort):
             raise
         except Exception as error:
@@ -58,11 +74,23 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
     return guarded
 
 
-def fail(message: str, code: int) -> None:
-    """Say what is wrong on stderr and end with an exit code."""
-    typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
-    typer.echo(message, err=True)
-    raise typer.Exit(code)
+def _was_printing(error: OSError) -> bool:
+    """Tell whether what failed was a print, which names no file."""
+    names = {frame.name for frame in extract_tb(error.__traceback__)}
+    return bool(names & {"echo", "print_table"})
+
+
+@contextmanager
+def _stdout_closed_when_full() -> Iterator[None]:
+    try:
+        yield
+    except OSError:
+        _close_stdout()
+
+
+def _close_stdout() -> None:
+    """Let nothing more be tried on stdout, also not by the end of the process."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def print_json(content: Mapping[str, Any]) -> None:

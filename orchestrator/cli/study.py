@@ -12,7 +12,7 @@ from orchestrator.cli.output import (
     set_up_logs,
     waiting,
 )
-from orchestrator.cli.run import Verbose
+from orchestrator.cli.run import Json, Verbose
 from orchestrator.cli.running import simulate
 from orchestrator.evaluation.compare import number
 
@@ -25,7 +25,7 @@ COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
 
 
 @command
-def demo(verbose: Verbose = False) -> None:
+def demo(json: Json = False, verbose: Verbose = False) -> None:
     """Co-simulate a P-PI cascade and pole placement on one ball-screw drive."""
     from orchestrator.report.page import write_report
     from orchestrator.scenario.reading import load_scenario
@@ -38,6 +38,9 @@ def demo(verbose: Verbose = False) -> None:
     ]
     title = "Ball-screw drive: pole placement against P-PI cascade"
     page = write_report(runs, folder / "report.html", title)
+    if json:
+        print_json({"runs": [done.summary() for done in runs], "report": str(page)})
+        return
     print_comparison(runs, title)
     for done in runs:
         if done.timing is not None:
@@ -69,12 +72,35 @@ def print_comparison(runs: "list[Run]", title: str) -> None:
 
 
 @command
+def scenarios(
+    study: Annotated[
+        str | None, typer.Argument(metavar="[STUDY]", help="only this study's")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """List the scenarios there are, each by the name that run takes."""
+    from orchestrator.scenario import reading
+
+    folders = reading.studies() if study is None else [reading.find_study(study)]
+    found = {
+        reading.scenario_name(file): str(reading.read_scenario(file).get("title", ""))
+        for folder in folders
+        for file in reading.scenarios(folder).values()
+    }
+    if json:
+        listed = [{"name": name, "title": title} for name, title in found.items()]
+        print_json({"scenarios": listed})
+    else:
+        print_table(["scenario", "title"], list(map(list, found.items())))
+
+
+@command
 def reproduce(
     study: Annotated[str, typer.Argument(metavar="STUDY", help="e.g. " + STUDY)],
     only: Annotated[
         str, typer.Option(metavar="PATTERN", help="only figures like 'mc_ppc.*'")
     ] = "*",
-    json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    json: Json = False,
     verbose: Verbose = False,
 ) -> None:
     """Run a study's scenarios through FMUs and compare with the published figures."""

@@ -112,11 +112,41 @@ def find_scenario(name: str | Path) -> Path:
             raise ScenarioError(f"{path}: no such scenario file")
         return path
     study, _, scenario = str(name).partition("/")
+    if study not in {folder.name for folder in studies()}:
+        _refuse_path(path)
     folder = find_study(study)
     if scenario in (known := scenarios(folder)):
         return known[scenario]
+    listed = f"`feeddrive scenarios {study}` lists all with their titles"
+    if not scenario:
+        raise ScenarioError(f"{study} is a study; name one of its scenarios: {listed}")
     remedy = did_you_mean(scenario, known)
-    raise ScenarioError(f"study {study!r} has no scenario {scenario!r}; {remedy}")
+    raise ScenarioError(
+        f"study {study!r} has no scenario {scenario!r}; {remedy} {listed}."
+    )
+
+
+def _refuse_path(path: Path) -> None:
+    """Refuse a path that is no scenario file; anything else may name a scenario."""
+    if path.is_dir():
+        beside, what = path, "is a folder"
+    elif path.is_file():
+        beside, what = path.parent, "is no scenario: that is a .toml file"
+    elif path.suffix or path.is_absolute():
+        beside, what = path.parent, "no such scenario file"
+    else:
+        return
+    known = [str(file) for file in scenarios(beside).values()]
+    raise ScenarioError(
+        f"{path}: {what}; {did_you_mean(str(path), known)}"
+        if known
+        else f"{path}: {what}; `feeddrive scenarios` lists those of the studies"
+    )
+
+
+def studies() -> list[Path]:
+    """Return the folders of the studies there are."""
+    return [f for f in sorted(STUDIES.glob("*/")) if any(f.glob("*.toml"))]
 
 
 def find_study(study: str) -> Path:
@@ -125,12 +155,13 @@ def find_study(study: str) -> Path:
     Raises:
         ScenarioError: there is none of that name.
     """
-    known = {f.name: f for f in sorted(STUDIES.glob("*/")) if any(f.glob("*.toml"))}
+    known = {folder.name: folder for folder in studies()}
     if study not in known:
         remedy = did_you_mean(study, known)
         raise ScenarioError(
             f"there is no study {study!r}; {remedy} A scenario is named "
-            f"<study>/<scenario>, or by the path of its .toml file."
+            f"<study>/<scenario>, or by the path of its .toml file; `feeddrive "
+            f"scenarios` lists them."
         )
     return known[study]
 

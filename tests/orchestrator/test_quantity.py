@@ -10,6 +10,7 @@ from fmus.units import UnitError
 from orchestrator.quantity import (
     DecimalFloat,
     Quantity,
+    converter,
     parse_period,
     parse_quantity,
     parse_time,

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from typer.testing import CliRunner
@@ -181,6 +182,9 @@ def test_a_wrong_scenario_ends_in_one_paragraph(feeddrive, drive, old, new, part
         (("run", "ball_screw_pole_placement/mc_ppc_trk_500"), ("mc_ppc_track_500",)),
         (("run", "ball_screw/x"), ("ball_screw_pole_placement",)),
         (("run", "missing.toml"), ("missing.toml",)),
+        (("run", "gantry"), ("gantry is a study", "feeddrive scenarios gantry")),
+        (("run", "drve.tml"), ("drve.tml: no such scenario file", "drive.toml")),
+        (("run", TRACK, "--set", "plant.m_2=true"), ("plant.m_2", "no switch")),
         (("run", TRACK, "--set", "plant.m_2=nan"), ("plant.m_2", "finite")),
         (("run", TRACK, "--set", "plant.m_22=1"), ("plant", "'m_2'")),
         (("run", TRACK, "--set", "plnt.m_2=1"), ("'plant'",)),
@@ -189,6 +193,7 @@ def test_a_wrong_scenario_ends_in_one_paragraph(feeddrive, drive, old, new, part
         (("run", TRACK, "--map", "u = 1"), ("more maps",)),
         (("build",), ("--all",)),
         (("build", "plants.nothing"), ("plants.nothing",)),
+        (("build", "nope.py"), ("nope.py: no such file",)),
         (("build", "plants.rope_snap", "--period", "0"), ("--period",)),
         (("build", "plants.ball_screw", "--period", "1/1000"), ("ball_screw",)),
         (("build", "plants.rope_snap", "--kind", "wasm"), ("wasm",)),
@@ -198,7 +203,7 @@ def test_a_wrong_scenario_ends_in_one_paragraph(feeddrive, drive, old, new, part
         (("run",), ("SCENARIO",)),
     ],
 )
-def test_wrong_usage_ends_in_one_paragraph(feeddrive, arguments, parts):
+def test_wrong_usage_ends_in_one_paragraph(feeddrive, drive, arguments, parts):
     refused(feeddrive(*arguments), *parts)
 
 
@@ -261,6 +266,56 @@ def test_an_interrupted_run_ends_with_130(feeddrive, drive, monkeypatch):
 
     monkeypatch.setattr("orchestrator.simulate.simulate", interrupted)
     refused(feeddrive("run", drive), "interrupted", code=130)
+
+
+def test_an_interrupted_run_says_where_its_rows_are_if_it_has_any(
+    feeddrive, drive, monkeypatch
+):
+    from orchestrator.simulate import simulate
+
+    def interrupted(*arguments, **options):
+        simulate(*arguments, **options)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("orchestrator.simulate.simulate", interrupted)
+    refused(feeddrive("run", drive, "-o", "out"), "t = 0.01 s", "out/result", code=130)
+    monkeypatch.setattr(
+        "orchestrator.scenario.compose.compose", Mock(side_effect=KeyboardInterrupt)
+    )
+    result = feeddrive("run", drive, "-o", "out")
+    refused(result, "interrupted", code=130)
+    assert "rows" not in result.stderr
+
+
+def test_with_json_an_error_is_json_on_stdout_too(feeddrive):
+    result = feeddrive("run", "nowhere.toml", "--json")
+    refused(result, "nowhere.toml: no such scenario file")
+    assert "no such scenario file" in json.loads(result.stdout)["error"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+@pytest.mark.parametrize("more", [(), ("--json",)])
+def test_a_full_disk_behind_stdout_is_called_standard_output(more):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "orchestrator", "scenarios", *more],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: standard output: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_scenarios_lists_what_run_takes(feeddrive):
+    listed = json.loads(feeddrive("scenarios", "gantry", "--json").stdout)["scenarios"]
+    titles = {one["name"]: one["title"] for one in listed}
+    assert titles["gantry/circle_200"] == "Circle of 200 mm at 200 mm/s"
+    assert "gantry/_contour" not in titles
+    assert TRACK in feeddrive("scenarios").stdout
+    refused(feeddrive("scenarios", "gantri"), "'gantry'")
 
 
 def test_a_fault_of_ours_is_one_paragraph_too(feeddrive, drive, monkeypatch):
