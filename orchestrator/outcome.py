@@ -14,7 +14,8 @@ class Run(Result):
     """A finished run: recorded signals by name, and what was made of them.
 
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
-    ``composition`` the system that ran, with its design results.
+    ``diverged`` says which signal diverges and when, if one does;
+    ``composition`` is the system that ran, with its design results.
     """
 
     def __init__(
@@ -23,11 +24,13 @@ class Run(Result):
         composition: Composition,
         metrics: Mapping[str, Quantity],
         checks: list[Check],
+        diverged: str | None = None,
     ) -> None:
         super().__init__(result.folder, result.timing)
         self.composition = composition
         self.metrics = metrics
         self.checks = checks
+        self.diverged = diverged
 
     @property
     def scenario(self) -> Scenario:
@@ -42,6 +45,7 @@ class Run(Result):
             "metrics": {
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
+            "diverged": self.diverged,
             "timing": timing
             and {
                 "wall_s": timing.wall_s,

@@ -105,11 +105,14 @@ class ScenarioTest(pytest.Item):
 
 
 def unmet(done: "Run") -> str:
-    """Return the expectations a run does not meet, one paragraph each, or nothing."""
+    """Return the expectations a run does not meet, one paragraph each, or nothing.
+
+    A run that diverged says so first.
+    """
     from orchestrator.evaluation.worst import worst_stretch
 
     spec = done.scenario.spec
-    lines = []
+    lines = [done.diverged] if done.diverged else []
     for check in done.checks:
         if check.met:
             continue

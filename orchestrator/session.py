@@ -17,10 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fmus.units import UnitError
-from orchestrator.errors import FeedDriveError, ScenarioError
+from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
+from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate, refuse_unit
 from orchestrator.outcome import Run
+from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
 from orchestrator.scenario.reading import Scenario, load_scenario
@@ -76,16 +78,24 @@ def execute(
     refuse_metrics(composition)
     clear(folder, composition)
     write_lock(composition, folder)
-    result = simulate(
-        composition.system,
-        folder,
-        progress=progress,
-        executor=executor,
-        profile=profile,
-    )
     spec = composition.scenario.spec
+    try:
+        result = simulate(
+            composition.system,
+            folder,
+            progress=progress,
+            executor=executor,
+            profile=profile,
+        )
+    except SimulationError as error:
+        begun = Result(folder) if (folder / "result").is_dir() else {}
+        if told := divergence(spec.metrics, begun, composition.parameter):
+            raise type(error)(f"{error}; {told}") from error.__cause__
+        raise
     figures = evaluate(spec.metrics, result, composition.parameter)
-    done = Run(result, composition, figures, check(spec.expect, figures))
+    diverged = divergence(spec.metrics, result, composition.parameter)
+    checks = check(spec.expect, figures)
+    done = Run(result, composition, figures, checks, diverged)
     summary = json.dumps(done.summary(), indent=2) + "\n"
     (folder / "metrics.json").write_text(summary, encoding="utf-8")
     if report:

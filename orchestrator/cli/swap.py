@@ -120,9 +120,8 @@ def _titled(run: "Run", title: str) -> "Run":
 
     spec = run.scenario.spec.model_copy(update={"title": title})
     scenario = replace(run.scenario, spec=spec)
-    return Run(
-        run, replace(run.composition, scenario=scenario), run.metrics, run.checks
-    )
+    composition = replace(run.composition, scenario=scenario)
+    return Run(run, composition, run.metrics, run.checks, run.diverged)
 
 
 def print_swap(first: "Run", second: "Run") -> None:
@@ -147,6 +146,8 @@ def print_swap(first: "Run", second: "Run") -> None:
     head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
     for run, name in ((first, ORIGINAL), (second, SWAPPED)):
+        if run.diverged:
+            typer.echo(f"{name}: {run.diverged}")
         for figure, value in run.metrics.items():
             if isinstance(value, NoValue):
                 typer.echo(f"{name}: {figure}: {value.why}")

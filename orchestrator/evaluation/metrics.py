@@ -148,11 +148,11 @@ def _figures(
         return settling(time - start, y - spec.final, spec.band, unit)
     if isinstance(spec, StepMetric):
         start = float(spec.window[0]) if spec.window else 0.0
-        height = _in_unit(factor(spec.height, parameter), unit)
+        height = in_unit(factor(spec.height, parameter), unit)
         return step_response(time - start, y, height, spec.band, unit)
     if isinstance(spec, ContourMetric):
         across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
-        size = _in_unit(factor(spec.size, parameter), unit)
+        size = in_unit(factor(spec.size, parameter), unit)
         outside = contour_error(y, across[rows], spec.shape, size)
         kinds = ("peak", "rms", "max", "min")
         return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
@@ -198,7 +198,7 @@ _PLAIN: dict[str, Callable[[Array], float]] = {
 }
 
 
-def _in_unit(quantity: Quantity, unit: str) -> float:
+def in_unit(quantity: Quantity, unit: str) -> float:
     """Return the value of a quantity in a unit; a plain number is in it already."""
     return quantity.value if quantity.unit == "1" else quantity.to(unit).value
 

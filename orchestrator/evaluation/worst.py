@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.evaluation.metrics import Parameters, factor, scaled
+from orchestrator.evaluation.metrics import Parameters, factor, in_unit, scaled
 from orchestrator.evaluation.motion import contour_error
 from orchestrator.evaluation.schema import (
     ContourMetric,
@@ -53,6 +53,7 @@ class Stretch:
         )
 
 
+@np.errstate(all="ignore")  # what diverges may overflow here
 def worst_stretch(
     figure: str,
     spec: MetricSpec,
@@ -143,11 +144,11 @@ def _trace(
         trace = trace - spec.final
         name += f" - {Quantity(spec.final, unit)}" if spec.final else ""
     elif isinstance(spec, StepMetric):
-        height = Quantity(_in(unit, factor(spec.height, parameter)), unit)
+        height = Quantity(in_unit(factor(spec.height, parameter), unit), unit)
         trace, name = trace - height.value, f"{name} - {height}"
     elif isinstance(spec, ContourMetric):
         across, _ = scaled(spec, signals[spec.across], parameter, unit)
-        radius = _in(unit, factor(spec.size, parameter))
+        radius = in_unit(factor(spec.size, parameter), unit)
         trace = contour_error(trace, across, spec.shape, radius)
         name = f"{spec.of} and {spec.across} off the {spec.shape}"
     time = of.time
@@ -157,8 +158,3 @@ def _trace(
         rows = (time >= start - slack) & (time <= end + slack)
         time, trace = time[rows], trace[rows]
     return name, time, trace, unit
-
-
-def _in(unit: str, quantity: Quantity) -> float:
-    """Return a quantity's number in a unit; a plain number is in it already."""
-    return quantity.value if quantity.unit == "1" else quantity.to(unit).value

@@ -9,6 +9,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
 from orchestrator.faults import describe
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 _CONFIG = {"displaylogo": False, "responsive": True}
 
 
+@np.errstate(all="ignore")  # what diverges may overflow here
 def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) -> Path:
     """Write the report of one run, or of several compared, and return its path.
 
@@ -40,6 +43,12 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
     body = [
         f"<h1>{escape(heading)}</h1>",
         f"<p class=about>{escape(about)}</p>" if about else "",
+        *(
+            f"<p class=bad>{escape(f'{name}: ' if len(runs) > 1 else '')}"
+            f"{escape(run.diverged)}</p>"
+            for run, name in zip(runs, names_of(runs), strict=True)
+            if run.diverged
+        ),
         "<h2>Figures</h2>",
         _metrics(runs),
         "<h2>Signals</h2>",

@@ -100,7 +100,9 @@ def test_a_run_gives_signals_figures_checks_and_a_folder(drive, tmp_path):
     assert [check.met for check in done.checks] == [True]
     written = json.loads((tmp_path / "out/metrics.json").read_text())
     assert written == done.summary()
-    assert set(written) == {"scenario", "stop", "metrics", "timing", "result"}
+    keys = {"scenario", "stop", "metrics", "diverged", "timing", "result"}
+    assert set(written) == keys
+    assert written["diverged"] is None
     page = (tmp_path / "out/report.html").read_text()
     assert "Short move" in page
     assert "http://" not in page.partition("<body>")[0]
@@ -248,3 +250,4 @@ EXPECTING = [
 def test_a_scenario_meets_its_own_expectations(name, tmp_path):
     done = run(name, tmp_path, report=False)
     assert [check.text for check in done.checks if not check.met] == []
+    assert done.diverged is None

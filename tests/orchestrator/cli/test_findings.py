@@ -62,3 +62,24 @@ def test_a_wrong_signal_of_a_metric_is_refused_before_the_run(drive: Path) -> No
     assert result.exit_code == 2
     assert "motor.w" in result.stderr
     assert not Path("out").exists()
+
+
+def test_a_wrong_sign_is_named_in_one_line_without_warnings(drive: Path) -> None:
+    Path("models/their_pi.py").write_text(
+        Path("models/speed_pi.py").read_text().replace("= 1.5", "= -50.0")
+    )
+    swap = ("--swap", "controller=models/their_pi.py", "-o", "out")
+    result = feeddrive("run", drive, *swap)
+    assert result.exit_code == 1
+    assert "diverged: motor.omega passes 1e+08 rad/s at t = 0.003 s" in result.stdout
+    assert "> 1e+06 %" in result.stdout
+    assert max(map(len, result.stdout.splitlines())) <= 200
+    assert "Warning" not in result.output
+    assert "diverged: motor.omega" in Path("out/report.html").read_text()
+    assert "diverged: " in json.loads(Path("out/metrics.json").read_text())["diverged"]
+
+
+def test_a_run_that_overflows_says_that_it_diverged(drive: Path) -> None:
+    result = feeddrive("run", drive, "--set", "controller.K_p=-500", "-o", "out")
+    assert result.exit_code == 1
+    assert "diverged: motor.omega passes 1e+08 rad/s" in result.stderr
