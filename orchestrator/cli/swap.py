@@ -106,7 +106,7 @@ def compare(
     names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in _parts(swaps))
     title = swapped.scenario.spec.title or swapped.scenario.name
     with waiting("writing the report"):
-        runs = [_titled(first, ORIGINAL), _titled(swapped, names)]
+        runs = [_titled(first, ORIGINAL), _titled(swapped, SWAPPED)]
         write_report(runs, swapped.folder / "report.html", f"{title}: {names}")
     return first
 

@@ -1,7 +1,8 @@
 """``report.html``: one page of a run or a comparison, with nothing to fetch.
 
 Figures with their units, curves (Plotly, embedded), and what produced them:
-components, rates, latencies, parameters set, design results, FMU digests.
+components, rates, latencies, parameters set, design results, FMU digests, and
+how the variables of foreign FMUs were mapped.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,9 +15,12 @@ import numpy as np
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
 from orchestrator.faults import describe
+from orchestrator.fmu import FmuDescription
+from orchestrator.ports import ports
 from orchestrator.quantity import rate
 from orchestrator.report.contour import contours
 from orchestrator.report.figure import figure, name_of, names_of
+from orchestrator.system import Component
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
@@ -54,7 +58,10 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         "<h2>Signals</h2>",
         plot,
         *_contours(runs),
-        *(_facts(run) for run in runs),
+        *(
+            _facts(run, f"{name} ({run.scenario.name})" if len(runs) > 1 else name)
+            for run, name in zip(runs, names_of(runs), strict=True)
+        ),
     ]
     page = _PAGE.replace("{title}", escape(heading)).replace("{body}", "\n".join(body))
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -99,7 +106,7 @@ def _checked(runs: "Sequence[Run]", name: str) -> str:
     )
 
 
-def _facts(run: "Run") -> str:
+def _facts(run: "Run", label: str) -> str:
     system, composition = run.composition.system, run.composition
     rows = [
         [
@@ -131,8 +138,40 @@ def _facts(run: "Run") -> str:
         values = ", ".join(f"{k} = {_short(v)}" for k, v in found.values.items())
         lines.append(f"Design {name} ({found.call}): {values}.")
     paragraphs = "".join(f"<p>{escape(line)}</p>" for line in lines)
-    name = escape(run.scenario.name)
-    return f"<h2>How it was computed: {name}</h2>{_table(head, rows)}{paragraphs}"
+    heading = f"<h2>How it was computed: {escape(label)}</h2>"
+    maps = "".join(
+        f"<h3>Map of {escape(c.name)} to {escape(composition.sources[c.name])}</h3>"
+        f"{_map(c, composition.fmus[c.name])}"
+        for c in system.components.values()
+        if c.map
+    )
+    return f"{heading}{_table(head, rows)}{paragraphs}{maps}"
+
+
+def _map(component: Component, fmu: FmuDescription) -> str:
+    """Return what passes between our names and a foreign FMU's, each with its unit."""
+    rows = []
+    for ours in component.map:
+        for port in ports(component, fmu, ours):
+            theirs = port.variable
+            inward = theirs.causality == "input"
+            taken, given = (port.name, theirs.name)[:: 1 if inward else -1]
+            row = [
+                port.name,
+                port.unit or "",
+                theirs.causality,
+                theirs.name,
+                theirs.unit or "",
+                f"{given} = {_affine(port.gain, taken, port.offset)}",
+            ]
+            rows.append([escape(cell) for cell in row])
+    return _table(["ours", "unit", "is", "theirs", "unit", "what passes"], rows)
+
+
+def _affine(gain: float, name: str, offset: float) -> str:
+    """Return gain * name + offset as it is written by hand."""
+    term = name if gain == 1 else f"-{name}" if gain == -1 else f"{gain:.9g} {name}"
+    return f"{term} {'-' if offset < 0 else '+'} {abs(offset):.9g}" if offset else term
 
 
 def _short(value: object) -> str:
@@ -153,6 +192,7 @@ _PAGE = """<!doctype html>
 body { font: 15px/1.5 system-ui, sans-serif; color: #22262b; margin: 0 auto;
   max-width: 1180px; padding: 24px 32px 64px; }
 h1 { font-size: 26px; margin: 8px 0; }
+h3 { font-size: 15px; margin: 20px 0 4px; }
 h2 { font-size: 17px; margin: 32px 0 8px; border-bottom: 1px solid #d9dde3;
   padding-bottom: 4px; }
 .about { color: #565d66; max-width: 75ch; }

@@ -66,6 +66,28 @@ def test_a_disguised_plant_gives_the_same_figures(
     assert theirs["u.peak"] == pytest.approx(ours["u.peak"], abs=1e-6)
 
 
+def test_the_report_of_a_swap_shows_the_map_and_which_run_is_which(
+    supplied: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "runs"
+    chosen = ("--swap", f"plant={supplied}", "--map", INLINE, "-o", str(folder))
+    figures(*chosen, "--set", "stop=0.1")
+    page = (folder / "report.html").read_text()
+    assert [f"{name} ({SCENARIO})" for name in ("original", "swapped")] == re.findall(
+        r"<h2>How it was computed: (.*?)</h2>", page
+    )
+    before, _, after = page.partition("<h2>How it was computed: swapped")
+    assert "<h3>Map of" not in before
+    assert "<h3>Map of plant to" in after
+    rows = re.findall("<tr>(.*?)</tr>", after.partition("<h3>Map of")[2])
+    assert [re.findall("<td>(.*?)</td>", row) for row in rows[1:]] == [
+        ["u", "V", "input", "motor_voltage", "V", "motor_voltage = -u"],
+        ["d_2", "V", "input", "table_force", "V", "table_force = d_2"],
+        ["x_1", "rad", "output", "screw", "mm", "x_1 = 0.314159265 screw"],
+        ["x_2", "rad", "output", "table", "mm", "x_2 = 0.314159265 table"],
+    ]
+
+
 def test_units_that_do_not_fit_are_refused_with_the_remedy(supplied: Path) -> None:
     careless = INLINE.replace(', unit = "rad"', "")
     result = CliRunner().invoke(

@@ -89,7 +89,8 @@ def test_original_and_swapped_are_printed_and_drawn_together(
     assert "Original against swapped" in result.output
     page = (folder / "report.html").read_text()
     assert "original: plant.x_2" in page
-    assert f"plant = {supplied.name}: plant.x_2" in page
+    assert "swapped: plant.x_2" in page
+    assert f"plant = {supplied.name}</h1>" in page
     result = CliRunner().invoke(app, [*arguments, "-o", str(folder), "--json"])
     told = json.loads(result.stdout)
     assert told["original"].keys() == told["metrics"].keys()
