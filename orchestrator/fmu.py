@@ -155,18 +155,16 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     text = read_member(path, "modelDescription.xml")
     try:
         root = etree.fromstring(text)
+        refuse_other_fmi(path, root)
         md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
+    except FmuError:
+        raise
     except Exception as error:  # fmpy raises bare Exception for malformed documents
         raise FmuError(
             f"{path}: modelDescription.xml cannot be understood ({error}); "
             f"run `fmpy validate` on it and ask its supplier"
         ) from None
     major = int(str(md.fmiVersion)[0])
-    if major not in (2, 3):
-        raise FmuError(
-            f"{path}: is FMI {md.fmiVersion}; FMI 2.0 and 3.0 are supported: export "
-            f"it again as one of these"
-        )
     for v in md.modelVariables:
         if v.type not in _TYPES[major]:
             raise FmuError(
@@ -214,6 +212,20 @@ def _internal_step(root: Any) -> Fraction | None:
         if written and float(written) > 0:
             return Fraction(written)
     return None
+
+
+def refuse_other_fmi(path: Path, root: Any) -> None:
+    """Refuse a model description by its root element if it is not FMI 2.0 or 3.0.
+
+    Raises:
+        FmuError: it is another version.
+    """
+    version = str(root.get("fmiVersion"))
+    if not version.startswith(("2.", "3.")):
+        raise FmuError(
+            f"{path}: is FMI {version}, which is not supported; ask for an export as "
+            f"FMI 2.0 or 3.0"
+        )
 
 
 def _clock(variables: list[Any]) -> int | None:

@@ -2,12 +2,14 @@
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
-from orchestrator.checks.item import Outcome, Verdict
+from orchestrator.checks.archive import Archive
+from orchestrator.checks.item import CannotRun, Item, Outcome, Verdict
 
 VERDICTS: tuple[Verdict, ...] = (
     "pass",
@@ -23,6 +25,21 @@ class Report:
 
     fmu: Path
     outcomes: tuple[Outcome, ...]
+
+    @cached_property
+    def major(self) -> int | None:
+        """The version of FMI, 2 or 3, where the FMU tells it."""
+        try:
+            return Archive(self.fmu).major
+        except (CannotRun, AttributeError):
+            return None
+
+    def clause(self, item: Item) -> str:
+        """Where the FMU's own version of the standard asks for an item."""
+        other = {2: "FMI 3.", 3: "FMI 2."}.get(self.major or 0)
+        parts = item.clause.split("; ")
+        own = [part for part in parts if other is None or not part.startswith(other)]
+        return "; ".join(own or parts)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -45,7 +62,9 @@ class Report:
             "fmu": str(self.fmu),
             "clean": self.clean,
             "counts": self.counts,
-            "items": [_item(outcome) for outcome in self.outcomes],
+            "items": [
+                _item(outcome, self.clause(outcome.item)) for outcome in self.outcomes
+            ],
         }
 
     def to_junit(self) -> bytes:
@@ -72,7 +91,7 @@ class Report:
             if outcome.verdict == "pass":
                 continue
             lines = [f"{f.severity}: {f.text}" for f in outcome.findings]
-            text = outcome.reason or f"{item.clause}: {item.mend}"
+            text = outcome.reason or f"{self.clause(item)}: {item.mend}"
             told = etree.SubElement(case, kinds[outcome.verdict], message=_plain(text))
             told.text = _plain("\n".join(lines))
         document: bytes = etree.tostring(
@@ -81,13 +100,13 @@ class Report:
         return document
 
 
-def _item(outcome: Outcome) -> dict[str, Any]:
+def _item(outcome: Outcome, clause: str) -> dict[str, Any]:
     item = outcome.item
     return {
         "number": item.number,
         "part": item.part,
         "title": item.title,
-        "clause": item.clause,
+        "clause": clause,
         "verdict": outcome.verdict,
         "seen": outcome.seen,
         "findings": [

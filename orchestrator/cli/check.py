@@ -1,7 +1,9 @@
 """The verb ``check``: what is wrong with an FMU."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
+from zipfile import ZipFile, is_zipfile
 
 import typer
 
@@ -32,7 +34,10 @@ def check(
     import fmus.build
     from orchestrator.checks import check_fmu
 
-    path = Path(fmu) if fmu.endswith(".fmu") else fmus.build.build(fmu)
+    is_path = fmu.endswith(".fmu") or (Path(fmu).is_file() and not fmu.endswith(".py"))
+    path = Path(fmu) if is_path else fmus.build.build(fmu)
+    _refuse_numbers(only or ())
+    _refuse_no_fmu(path)
     with waiting(f"checking {path.name}"):
         report = check_fmu(path, only=only or (), dynamic=not static)
     if junit is not None:
@@ -43,6 +48,60 @@ def check(
         print_report(report)
     if not report.clean:
         raise typer.Exit(1)
+
+
+def _refuse_numbers(only: Iterable[int]) -> None:
+    from orchestrator.checks.catalogue import catalogue
+    from orchestrator.errors import ScenarioError
+
+    numbers = {item.number for item in catalogue()}
+    if unknown := sorted(set(only) - numbers):
+        raise ScenarioError(
+            f"--only {unknown[0]}: there is no such item; there are "
+            f"{min(numbers)} to {max(numbers)}"
+        )
+
+
+def _refuse_no_fmu(path: Path) -> None:
+    """Refuse a file that is nothing an item could say anything sensible of."""
+    from orchestrator.checks.archive import Archive
+    from orchestrator.checks.item import CannotRun
+    from orchestrator.errors import FmuError
+    from orchestrator.fmu import refuse_other_fmi
+
+    if not path.is_file():
+        return  # told when it is opened
+    if not is_zipfile(path):
+        raise FmuError(f"{path}: is no FMU, which is a zip archive, but {_what(path)}")
+    with ZipFile(path) as archive:
+        names = archive.namelist()
+    if not any(name.endswith("modelDescription.xml") for name in names):
+        held = ", ".join(names[:3]) or "nothing"
+        raise FmuError(
+            f"{path}: is no FMU but a zip archive without modelDescription.xml; it "
+            f"holds {held}{', ...' if len(names) > 3 else ''}"
+        )
+    try:
+        root = Archive(path).root
+    except CannotRun:
+        return  # a finding
+    if root.get("fmiVersion"):
+        refuse_other_fmi(path, root)
+
+
+def _what(path: Path) -> str:
+    with path.open("rb") as file:
+        head = file.read(40)
+    if not head:
+        return "an empty file"
+    if head.startswith(b"PK"):
+        return "the beginning of one: copy or export it again"
+    if head.startswith((b"\x7fELF", b"MZ")):
+        return "a program or library"
+    text = head.decode("utf-8", errors="replace")
+    if all(c.isprintable() or c.isspace() for c in text.rstrip("\ufffd")):
+        return f"a text that begins with {text.split(chr(10))[0].strip()!r}"
+    return f"a binary file that begins with the bytes {head[:4].hex(' ')}"
 
 
 def print_report(report: "Report") -> None:
@@ -63,7 +122,11 @@ def print_report(report: "Report") -> None:
         for finding in outcome.findings:
             label = f"{outcome.item.number} {outcome.item.part}, {finding.severity}"
             typer.echo(f"{label}: {finding.text}")
-            typer.echo(f"    {outcome.item.clause}")
+            typer.echo(f"    {report.clause(outcome.item)}")
             typer.echo(f"    remedy: {finding.mend or outcome.item.mend}")
-    counts = (f"{n} {verdict}" for verdict, n in report.counts.items() if n)
+    counts = (
+        f"{n} findings" if verdict == "finding" and n > 1 else f"{n} {verdict}"
+        for verdict, n in report.counts.items()
+        if n
+    )
     typer.echo(f"{report.fmu.name}: {', '.join(counts)}")

@@ -309,6 +309,42 @@ def test_a_full_disk_behind_stdout_is_called_standard_output(more):
     assert len(done.stderr.splitlines()) == 1
 
 
+OF_FMI_1 = '<fmiModelDescription fmiVersion="1.0" modelIdentifier="a" guid="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "an empty file"),
+        (b"\x7fELF\x02\x01", "a program"),
+        (b"hello\nworld", "a text that begins with 'hello'"),
+        (b"\x00\x01\x02\x03\x04", "bytes 00 01 02 03"),
+        ({"a.txt": "x"}, "zip archive without modelDescription.xml; it holds a.txt"),
+        ({"modelDescription.xml": OF_FMI_1}, "is FMI 1.0, which is not supported"),
+    ],
+)
+def test_a_file_that_is_no_fmu_is_called_what_it_is(feeddrive, content, said):
+    file = Path("their.fmu")
+    if isinstance(content, bytes):
+        file.write_bytes(content)
+    else:
+        with zipfile.ZipFile(file, "w") as archive:
+            for name, text in content.items():
+                archive.writestr(name, text)
+    result = feeddrive("check", file)
+    refused(result, file, said)
+    assert result.stdout == ""
+    refused(feeddrive("info", file), file)
+
+
+def test_check_counts_in_words_and_cites_the_version_of_the_fmu(feeddrive):
+    refused(feeddrive("check", "plants.rope_snap", "--only", "99"), "1 to ")
+    result = feeddrive("check", "plants.rope_snap", "--only", "10", "--json")
+    (item,) = json.loads(result.stdout)["items"]
+    assert "FMI 2.0.5" in item["clause"]
+    assert "FMI 3" not in item["clause"]
+
+
 def test_scenarios_lists_what_run_takes(feeddrive):
     listed = json.loads(feeddrive("scenarios", "gantry", "--json").stdout)["scenarios"]
     titles = {one["name"]: one["title"] for one in listed}
