@@ -109,6 +109,8 @@ def run(
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
         typer.echo("expectation not met: " + "; ".join(failed), err=True)
+    if done.diverged:
+        typer.echo(done.diverged, err=True)
     if failed or done.diverged:
         raise typer.Exit(1)
 
@@ -202,8 +204,6 @@ def print_run(done: "Run") -> None:
     title = done.scenario.spec.title or done.scenario.name
     if rows:
         print_table(["figure", ">value", "unit", "check"], rows, title)
-    if done.diverged:
-        typer.echo(done.diverged)
     if done.timing is not None:
         typer.echo(
             f"{float(done.composition.system.stop):g} s in {done.timing.wall_s:.3g} s, "

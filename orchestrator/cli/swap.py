@@ -145,9 +145,9 @@ def print_swap(first: "Run", second: "Run") -> None:
         )
     head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
+    if first.diverged:
+        typer.echo(f"{ORIGINAL}: {first.diverged}")
     for run, name in ((first, ORIGINAL), (second, SWAPPED)):
-        if run.diverged:
-            typer.echo(f"{name}: {run.diverged}")
         for figure, value in run.metrics.items():
             if isinstance(value, NoValue):
                 typer.echo(f"{name}: {figure}: {value.why}")

@@ -80,6 +80,18 @@ def test_a_figure_the_run_does_not_have_fails_with_reason_stretch_and_report(
     assert "report: " in result.stdout.str()
 
 
+def test_a_run_that_diverges_fails_with_that_before_all_else(
+    example: pytest.Pytester,
+) -> None:
+    (example.path / "tests" / "wrong_sign.toml").write_text(WEAK.replace("0.5", "-50"))
+    result = run(example, "tests/wrong_sign.toml")
+    result.assert_outcomes(failed=1)
+    named = "diverged: motor.omega passes 1e+08 rad/s at t = 0.003 s"
+    lines = result.outlines
+    assert lines[lines.index(named) + 1].startswith("speed.settling: not settled")
+    assert "Warning" not in result.stdout.str()
+
+
 def test_a_scenario_with_a_mistake_fails_with_one_paragraph(
     example: pytest.Pytester,
 ) -> None:
