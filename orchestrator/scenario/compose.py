@@ -7,6 +7,7 @@ scenario asks for; a sampled one with the component's ``step`` as sample time.
 """
 
 import hashlib
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -36,6 +37,7 @@ from orchestrator.scenario.schema import (
 )
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.values import Part, Values
+from orchestrator.scenario.without_effect import without_effect
 from orchestrator.system import (
     Component,
     Fault,
@@ -46,6 +48,7 @@ from orchestrator.system import (
     split_name,
 )
 
+LOG = logging.getLogger("feeddrive")
 RunEarlier: TypeAlias = Callable[[str], Result]
 
 
@@ -121,6 +124,8 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         record=open_record(spec, components, fmus),
         faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
     )
+    for note in without_effect(system, fmus):
+        LOG.warning(note)
     sources = {name: found.source for name, found in located.items()}
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     return Composition(
@@ -289,9 +294,12 @@ def _hand_over(
             nominal.designed[component][key] = value
         if step.sets and not takers:
             known = {v for c in step.sets for v in fmus[c].variables}
+            have = "has" if len(step.sets) == 1 else "have"
             raise DesignError(
-                f"{where}: found {key}, which {' and '.join(step.sets)} lack; "
-                f"{did_you_mean(key, known)}"
+                f"{where}: found {key}, but {' and '.join(step.sets)} {have} no such "
+                f"parameter; {did_you_mean(key, known)} Where the component was "
+                f"swapped for one that is not designed so, leave the step out with "
+                f"--set {where}=false"
             )
 
 

@@ -1,0 +1,51 @@
+"""What a scenario sets that cannot change its run, or hardly."""
+
+from collections.abc import Iterator, Mapping
+
+from orchestrator.errors import WiringError
+from orchestrator.fmu import FmuDescription
+from orchestrator.ports import ports
+from orchestrator.system import Component, System, split_name
+
+
+def without_effect(system: System, fmus: Mapping[str, FmuDescription]) -> Iterator[str]:
+    """Yield a sentence for each such value.
+
+    These are values of inputs that a connection drives, which are only where the
+    initialisation begins, and latencies that outlast the run.
+    """
+    for name, component in system.components.items():
+        driven = {
+            input_: source
+            for sink, source in system.connections.items()
+            for input_ in _variables(component, fmus[name], sink)
+        }
+        for variable in (*component.parameters, *component.start):
+            for input_ in _variables(component, fmus[name], f"{name}.{variable}"):
+                if input_ in driven:
+                    yield (
+                        f"{name}.{variable} is set, but {driven[input_]} drives it: "
+                        f"the value is only where the initialisation begins; to hold it, "
+                        f"remove the connection"
+                    )
+                    break
+        published = component.offset + component.latency * component.period
+        if component.latency and published > system.stop:
+            yield (
+                f"{name}.latency = {component.latency} samples are "
+                f"{float(component.latency * component.period):g} s: nothing that "
+                f"{name} computes is published before the run ends at "
+                f"{float(system.stop):g} s"
+            )
+
+
+def _variables(component: Component, fmu: FmuDescription, full: str) -> list[str]:
+    """Return the numbers of a component that a name stands for; none of others."""
+    owner, name = split_name(full)
+    if owner != component.name:
+        return []
+    try:
+        found = ports(component, fmu, name)
+    except WiringError:  # refused when the system is wired
+        return []
+    return [f"{port.variable.name}[{port.element}]" for port in found]
