@@ -25,8 +25,8 @@ def without_effect(system: System, fmus: Mapping[str, FmuDescription]) -> Iterat
                 if input_ in driven:
                     yield (
                         f"{name}.{variable} is set, but {driven[input_]} drives it: "
-                        f"the value is only where the initialisation begins; to hold it, "
-                        f"remove the connection"
+                        f"the value is only where the initialisation begins; to hold "
+                        f"it, remove the connection"
                     )
                     break
         published = component.offset + component.latency * component.period
