@@ -239,9 +239,10 @@ def assert_fmu_conforms(path: str | Path) -> None:
     from orchestrator.checks import check_fmu
 
     lines = []
-    for outcome in check_fmu(Path(path)).outcomes:
+    report = check_fmu(Path(path))
+    for outcome in report.outcomes:
         item = outcome.item
-        where = f"{item.number} {item.part}: {item.title} ({item.clause})"
+        where = f"{item.number} {item.part}: {item.title} ({report.clause(item)})"
         if outcome.verdict == "could not be run":
             lines.append(f"{where}\n    could not be run: {outcome.reason}")
         lines += [

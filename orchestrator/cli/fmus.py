@@ -187,6 +187,16 @@ def info(
     )
 
 
+def _steps(d: "FmuDescription") -> str:
+    """Say which communication steps an FMU takes, and which it suggests."""
+    words = ["any" if d.variable_step else "equal ones only"]
+    if d.internal_step is not None:
+        words.append(f"multiples of {float(d.internal_step):g} s")
+    if d.default_step is not None:
+        words.append(f"suggests {d.default_step:g} s")
+    return ", ".join(words)
+
+
 def _facts(d: "FmuDescription") -> dict[str, Any]:
     interfaces = {"co-simulation": d.co_simulation, "model exchange": d.model_exchange}
     return {
@@ -197,6 +207,7 @@ def _facts(d: "FmuDescription") -> dict[str, Any]:
         "interfaces": [name for name, there in interfaces.items() if there],
         "kind": d.kind or "not stated",
         "period": time_text(d.period) if d.period else "none",
+        "steps": _steps(d),
         "platforms": list(d.platforms),
         "tool": d.tool,
         "token": d.token,
