@@ -6,46 +6,35 @@ Values of a variable take precedence in the order FMU < design < scenario <
 scenario asks for; a sampled one with the component's ``step`` as sample time.
 """
 
-import hashlib
 import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import TypeAlias
 
-from fmus.build import BuildError, build, load_model
-from fmus.model import Sampled
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
-    WiringError,
     did_you_mean,
 )
 from orchestrator.fmu import FmuDescription, read_fmu
-from orchestrator.ports import ports
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
+from orchestrator.scenario.locate import component_of, digest, locate
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import (
-    ComponentSpec,
     DesignSpec,
     FaultSpec,
-    Specification,
 )
 from orchestrator.scenario.stars import open_connections, open_record
+from orchestrator.scenario.swapped import refuse_lost_inputs, refuse_unknown_names
 from orchestrator.scenario.values import Part, Values
 from orchestrator.scenario.without_effect import without_effect
 from orchestrator.system import (
-    Component,
     Fault,
-    Isolation,
-    Mapped,
     System,
-    Value,
-    split_name,
 )
 
 LOG = logging.getLogger("feeddrive")
@@ -104,15 +93,15 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     nominal = _nominal(scenario)
     designs = _design(scenario, nominal, fmus, earlier)
     components = {
-        name: _component(
+        name: component_of(
             name, spec.components[name], located[name], nominal.designed[name]
         )
         for name in spec.components
     }
     for name, component in components.items():
-        _refuse_unknown_names(component, fmus[name])
+        refuse_unknown_names(component, fmus[name])
     connections, constants = open_connections(spec, components, fmus)
-    _refuse_lost_inputs(scenario, connections, constants)
+    refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
         start = {**components[name].start, **values}
         components[name] = replace(components[name], start=start)
@@ -133,61 +122,6 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     )
 
 
-@dataclass(frozen=True)
-class Located:
-    """The FMU file of a component, what it was made of, and how often it steps."""
-
-    path: Path
-    source: str
-    period: Fraction
-
-
-def locate(
-    scenario: Scenario, spec: Specification, name: str, component: ComponentSpec
-) -> Located:
-    """Return a component's FMU file, built where it is a model of ours.
-
-    Raises:
-        ScenarioError: a step is needed and missing, or a file is not there.
-        fmus.build.BuildError: the model cannot be built.
-    """
-    where = f"{scenario.file}: components.{name}"
-    written = component.fmu
-    if written.endswith(".fmu"):
-        path = scenario.file.parent / written
-        period = component.step or read_fmu(path).period
-        if period is None:
-            raise ScenarioError(f'{where}: step is missing, e.g. step = "1/20000"')
-        return Located(path, written, period)
-    module = written
-    if written.endswith(".py"):
-        file = scenario.file.parent / written
-        if not file.is_file():
-            raise ScenarioError(f"{where}.fmu: no such model file: {file}")
-        module = str(file)
-    try:
-        model = load_model(module)
-        sampled = isinstance(model, Sampled)
-        period = component.step or (
-            model.period if isinstance(model, Sampled) else None
-        )
-        if period is None:
-            raise ScenarioError(
-                f"{where}: {written} is continuous: give its communication period, "
-                f'e.g. step = "1/20000"'
-            )
-        path = build(module, fmi=spec.fmi, period=period if sampled else None)
-    except BuildError as error:
-        raise BuildError(f"{where}.fmu: {error}") from None
-    return Located(path, written, period)
-
-
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def _refuse_other_content(scenario: Scenario, digests: Mapping[str, str]) -> None:
     locked = scenario.spec.lock.get("digests", {})
     for name, found in digests.items():
@@ -201,52 +135,6 @@ def _refuse_other_content(scenario: Scenario, digests: Mapping[str, str]) -> Non
             )
 
 
-def _refuse_unknown_names(component: Component, fmu: FmuDescription) -> None:
-    for ours, mapped in component.map.items():
-        try:
-            ports(component, fmu, ours)
-        except WiringError:
-            raise WiringError(
-                f"components.{component.name}.map: {ours} is {mapped.name!r} there, "
-                f"but {fmu.path.name} has no such variable; "
-                f"{did_you_mean(mapped.name, fmu.variables)}"
-            ) from None
-
-
-def _refuse_lost_inputs(
-    scenario: Scenario,
-    connections: Mapping[str, str],
-    constants: Mapping[str, Mapping[str, Value]],
-) -> None:
-    """Refuse a swap after which an input elsewhere, fed by a star, is fed no more."""
-    spec, before = scenario.spec, scenario.nominal
-    swapped = [
-        name
-        for name, c in spec.components.items()
-        if name in before.components
-        and (c.fmu, c.map) != (before.components[name].fmu, before.components[name].map)
-    ]
-    if not swapped:
-        return
-    found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
-    fmus = {name: read_fmu(place.path) for name, place in found.items()}
-    components = {
-        name: _component(name, c, found[name], {})
-        for name, c in before.components.items()
-    }
-    original, _ = open_connections(before, components, fmus)
-    for sink, source in original.items():
-        component, variable = split_name(sink)
-        fed = sink in connections or variable in constants.get(component, {})
-        if not fed and component in spec.components and component not in swapped:
-            owner, output = split_name(source)
-            raise WiringError(
-                f"components.{owner}: nothing feeds {sink} any more, which {output} "
-                f"of the original fed; say in the map what {output} is called in "
-                f"{spec.components[owner].fmu}"
-            )
-
-
 def _nominal(scenario: Scenario) -> Values:
     """Return the values of the scenario as its file stands, without ``--set``."""
     spec = scenario.nominal
@@ -254,7 +142,7 @@ def _nominal(scenario: Scenario) -> Values:
     @cache
     def part(name: str) -> Part:
         found = locate(scenario, spec, name, spec.components[name])
-        component = _component(name, spec.components[name], found, {})
+        component = component_of(name, spec.components[name], found, {})
         return component, read_fmu(found.path)
 
     return Values(list(spec.components), part)
@@ -310,24 +198,3 @@ def _has(fmu: FmuDescription, name: str) -> bool:
 def _fault(spec: FaultSpec) -> Fault:
     start, end = spec.window or (Fraction(0), None)
     return Fault(spec.kind, spec.value or 0.0, spec.samples or 0, start, end)
-
-
-def _component(
-    name: str, spec: ComponentSpec, found: Located, designed: Mapping[str, Value]
-) -> Component:
-    return Component(
-        name=name,
-        fmu=found.path,
-        period=found.period,
-        offset=spec.offset,
-        latency=spec.latency,
-        kind=spec.kind,
-        parameters={**designed, **spec.parameters},
-        start=dict(spec.start),
-        map={k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()},
-        isolation=Isolation(
-            None if spec.isolation is None else spec.isolation == "process",
-            float(spec.answer_within),
-            spec.memory_limit,
-        ),
-    )

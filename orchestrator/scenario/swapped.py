@@ -1,0 +1,58 @@
+"""What a swap may not do: name what is not there, or leave an input unfed."""
+
+from collections.abc import Mapping
+
+from orchestrator.errors import WiringError, did_you_mean
+from orchestrator.fmu import FmuDescription, read_fmu
+from orchestrator.ports import ports
+from orchestrator.scenario.locate import component_of, locate
+from orchestrator.scenario.reading import Scenario
+from orchestrator.scenario.stars import open_connections
+from orchestrator.system import Component, Value, split_name
+
+
+def refuse_unknown_names(component: Component, fmu: FmuDescription) -> None:
+    """Raise ``WiringError`` if a component's map names a variable the FMU lacks."""
+    for ours, mapped in component.map.items():
+        try:
+            ports(component, fmu, ours)
+        except WiringError:
+            raise WiringError(
+                f"components.{component.name}.map: {ours} is {mapped.name!r} there, "
+                f"but {fmu.path.name} has no such variable; "
+                f"{did_you_mean(mapped.name, fmu.variables)}"
+            ) from None
+
+
+def refuse_lost_inputs(
+    scenario: Scenario,
+    connections: Mapping[str, str],
+    constants: Mapping[str, Mapping[str, Value]],
+) -> None:
+    """Refuse a swap after which an input elsewhere, fed by a star, is fed no more."""
+    spec, before = scenario.spec, scenario.nominal
+    swapped = [
+        name
+        for name, c in spec.components.items()
+        if name in before.components
+        and (c.fmu, c.map) != (before.components[name].fmu, before.components[name].map)
+    ]
+    if not swapped:
+        return
+    found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
+    fmus = {name: read_fmu(place.path) for name, place in found.items()}
+    components = {
+        name: component_of(name, c, found[name], {})
+        for name, c in before.components.items()
+    }
+    original, _ = open_connections(before, components, fmus)
+    for sink, source in original.items():
+        component, variable = split_name(sink)
+        fed = sink in connections or variable in constants.get(component, {})
+        if not fed and component in spec.components and component not in swapped:
+            owner, output = split_name(source)
+            raise WiringError(
+                f"components.{owner}: nothing feeds {sink} any more, which {output} "
+                f"of the original fed; say in the map what {output} is called in "
+                f"{spec.components[owner].fmu}"
+            )
