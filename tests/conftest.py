@@ -4,8 +4,12 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import fmpy
 import hypothesis
 import pytest
+from callbacks import collecting
+from fmpy import read_model_description
+from fmpy.fmi2 import FMU2Slave
 
 hypothesis.settings.register_profile("untimed", deadline=None)
 hypothesis.settings.load_profile("untimed")
@@ -28,3 +32,31 @@ def fmu_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FEEDDRIVE_CACHE", str(cache))
         yield cache
+
+
+@pytest.fixture
+def slave(tmp_path):
+    """Instantiate FMUs in this process; free them at the end."""
+    opened = []
+
+    def open_fmu(fmu, name="instance"):
+        folder = tmp_path / f"unpacked {len(opened)}"
+        fmpy.extract(str(fmu), str(folder))
+        description = read_model_description(str(folder))
+        instance = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        instance.messages = messages = []
+        instance.instantiate(callbacks=collecting(messages), loggingOn=True)
+        instance.references = {
+            v.name: v.valueReference for v in description.modelVariables
+        }
+        opened.append(instance)
+        return instance
+
+    yield open_fmu
+    for instance in opened:
+        instance.freeInstance()
