@@ -24,7 +24,6 @@ import numpy as np
 from fmus.model import Continuous, Model, Record, is_record, leaves
 from fmus.returned import called, pair_of, record_of
 
-
 # of fmus/native/elementary.h, instead of the C library's
 OWN = "exp|expm1|log|sin|cos|tan|sinh|cosh|tanh|pow|fmin|fmax"
 
@@ -205,5 +204,6 @@ def c_code(model: Model, traced: Traced) -> str:
     code = re.sub(rf"#define {theirs} .*\n", "", code)
     code = re.sub(rf"casadi_real {theirs}\(.*?\n}}\n\n", "", code, flags=re.DOTALL)
     code = code.replace("casadi_fabs(", "fabs(")
+    code = re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", code)
     code = re.sub(rf"\b(?:casadi_)?({OWN})\(", r"own_\1(", code)
     return code.replace("#include <math.h>", '#include "elementary.h"')

@@ -27,14 +27,13 @@ static inline double own_exponent(double x) {
 static inline OwnSum own_exp_parts(double x, double x_lo, double n) {
     double hi = x - n * OWN_LN2_HI, lo = n * OWN_LN2_LO - x_lo, r = hi - lo;
     double c = (hi - r) - lo, z = r * r, z2 = z * z;
-    double p0 = 0.5 + r * 0.1666666666666667;
-    double p1 = 0.04166666666666667 + r * 0.008333333333326136;
-    double p2 = 0.0013888888888883748 + r * 0.00019841269874820627;
-    double p3 = 2.4801587325547743e-05 + r * 2.7557255400206422e-06;
-    double p4 = 2.75572736431103e-07 +
-                (r * 2.5105217004720745e-08 + z * 2.0914686968086876e-09);
+    double p0 = 0.1666666666666667 + r * 0.04166666666666667;
+    double p1 = 0.008333333333326136 + r * 0.0013888888888883748;
+    double p2 = 0.00019841269874820627 + r * 2.4801587325547743e-05;
+    double p3 = 2.7557255400206422e-06 + r * 2.75572736431103e-07;
+    double p4 = 2.5105217004720745e-08 + r * 2.0914686968086876e-09;
     double p = (p0 + z * p1) + z2 * ((p2 + z * p3) + z2 * p4);
-    return own_sum(r, z * p + (c + c * r));
+    return own_sum(r, 0.5 * z + ((z * r) * p + (c + c * r)));
 }
 
 /* The smaller and the larger; NaN if one is, as in NumPy. */
