@@ -14,7 +14,7 @@ from uuid import UUID
 from lxml import etree
 
 from fmus.checks import check_model, check_traced
-from fmus.closure import OWN_PACKAGES, is_file, module_name
+from fmus.closure import is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -27,6 +27,7 @@ from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.model import Continuous, Model
 from fmus.native_source import adapter_sources, native_sources, source_names
+from fmus.own import OWN_PACKAGES
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,

@@ -29,7 +29,7 @@ from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.temporary import temporary_folder
 
 if TYPE_CHECKING:
-    from orchestrator.simulate import Choice
+    from orchestrator.master.simulate import Choice
 
 Progress = Callable[[Fraction], None]
 
@@ -73,7 +73,7 @@ def execute(
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
     """
-    from orchestrator.simulate import simulate
+    from orchestrator.master.simulate import simulate
 
     refuse_metrics(composition)
     clear(folder, composition)

@@ -16,7 +16,7 @@ from scipy import signal
 
 from controllers.synthesis.linearise import linearise
 from fmus.model import FloatArray
-from plants import ball_screw
+from plants.ball_screw import two_mass as ball_screw
 
 GAINS = ("K_x1", "K_x2", "K_v1", "K_v2", "K_i2")
 

@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from controllers import mc_ppc, p_pi, prefilter, trajectory
-from controllers._command import Inversion
-from plants import ball_screw
+from controllers.ball_screw import mc_ppc, p_pi
+from controllers.ball_screw._command import Inversion
+from controllers.filters import prefilter
+from controllers.references import trajectory
+from plants.ball_screw import two_mass as ball_screw
 
 T_s = 1 / 20_000
 UM = 1e6 * ball_screw.Parameters().r_g  # µm of table motion per rad
@@ -133,9 +135,9 @@ def test_prefilter_identified_at_500_mm_s_serves_all_speeds() -> None:
     K = np.linalg.lstsq(regressors / norm, r.x_r - x_2, rcond=None)[0] / norm
     assert K[1] == pytest.approx(2.537e-7, rel=0.005)
 
-    gains = dict(zip(("K_vel", "K_acc", "K_jerk", "K_snap"), K, strict=True))
+    gains = prefilter.Gains(*K)
     for v_max, peak in ((0.2, 0.087), (0.5, 0.063), (1.0, 0.063)):
-        found = tracking(mc_ppc, MC_PPC._replace(**gains), v_max)[0]
+        found = tracking(mc_ppc, MC_PPC._replace(pre=gains), v_max)[0]
         assert found == pytest.approx(peak, abs=0.01), f"{v_max} m/s"
 
 

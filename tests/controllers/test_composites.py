@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from controllers import (
+from controllers.ball_screw import (
     filter_pack,
     friction_feedforward,
     inertia_feedforward,
@@ -11,11 +11,12 @@ from controllers import (
     model_inversion,
     p_pi,
     position_p,
-    prefilter,
     rotary_command,
     state_feedback,
     velocity_pi,
 )
+from controllers.filters import prefilter
+from controllers.synthesis.parameters import with_values
 from fmus.model import Model, Record, Sampled, leaves, pack, unpack
 
 T_s = 1 / 20_000
@@ -26,11 +27,11 @@ class Part:
 
     def __init__(self, model: Model, **values: float) -> None:
         assert isinstance(model, Sampled)
-        names = model.parameters._fields
+        names = [leaf.name for leaf in leaves(model.parameters)]
         missing = set(names) - set(values)
         assert not missing, f"{model.name}: {missing}"
         self.model, self.x = model, model.state
-        self.p = model.parameters._replace(**{name: values[name] for name in names})
+        self.p = with_values(model.parameters, {n: values[n] for n in names})
         self.d = (model.prepare(self.p, T_s),) if model.prepare else ()
 
     def __call__(self, **inputs: float) -> Record:
@@ -60,7 +61,7 @@ def signals() -> list[dict[str, float]]:
 @pytest.mark.parametrize("analytic", [False, True])
 def test_mc_ppc_is_its_parts(analytic: bool) -> None:
     p = unlike_the_defaults(mc_ppc.Parameters())._replace(analytic=analytic)
-    shared = p._asdict()
+    shared = {leaf.name: leaf.value for leaf in leaves(p)}
     pre = Part(prefilter.model, **shared)
     rotary = Part(rotary_command.model, **shared, on=p.rotary.on)
     inversion = Part(model_inversion.model, **shared, on=p.inversion.on)
@@ -80,7 +81,7 @@ def test_mc_ppc_is_its_parts(analytic: bool) -> None:
 
 def test_p_pi_is_its_parts() -> None:
     p = unlike_the_defaults(p_pi.Parameters())
-    shared = p._asdict()
+    shared = {leaf.name: leaf.value for leaf in leaves(p)}
     pre = Part(prefilter.model, **shared)
     position, velocity = (
         Part(position_p.model, **shared),

@@ -6,20 +6,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from controllers import (
+from controllers.ball_screw import (
     inertia_feedforward,
     model_inversion,
     position_p,
-    prefilter,
     rotary_command,
     state_feedback,
     velocity_pi,
 )
-from controllers.friction_feedforward import Input as FrictionInput
-from controllers.friction_feedforward import State as FrictionState
-from controllers.friction_feedforward import step as friction_step
+from controllers.ball_screw._drive import TwoMass
+from controllers.ball_screw.friction_feedforward import Input as FrictionInput
+from controllers.ball_screw.friction_feedforward import State as FrictionState
+from controllers.ball_screw.friction_feedforward import step as friction_step
+from controllers.filters import prefilter
 from fmus.model import Sampled
-from plants._friction import Stribeck
+from plants.ball_screw._friction import Stribeck
 
 T_s = 1 / 20_000
 
@@ -63,26 +64,25 @@ def test_rotary_command_of_a_constant_is_the_constant_bit_by_bit() -> None:
     assert found[-1, 0] == 1.0
 
 
-def drives() -> st.SearchStrategy[model_inversion.Parameters]:
+def drives() -> st.SearchStrategy[TwoMass]:
     return st.builds(
-        model_inversion.Parameters,
+        TwoMass,
         m_1=st.floats(1e-4, 1e-2),
         m_2=st.floats(1e-4, 1e-2),
         b_1=st.sampled_from([0.0, 1e-6, 1.02e-3, 0.01]),
         b_2=st.sampled_from([0.0, 2e-3]),
         k=st.floats(20, 2000),
         c=st.sampled_from([0.0, 1e-4, 0.014, 0.1]),
-        on=st.just(True),
-        analytic=st.just(False),
     )
 
 
 @given(drives())
 def test_model_inversion_asks_for_inertia_and_friction_on_a_slow_command(
-    p: model_inversion.Parameters,
+    p: TwoMass,
 ) -> None:
     t = T_s * np.arange(1500)
-    u_ff = responses(model_inversion.model, p, 50 * t * t)[-1, 0]
+    drive = model_inversion.Parameters(p)
+    u_ff = responses(model_inversion.model, drive, 50 * t * t)[-1, 0]
     # of x = a t²/2: mass times a, friction times v, three delays and the pole's
     b, m = p.b_1 + p.b_2, p.m_1 + p.m_2
     v_late = 100 * (t[-1] - 5 * T_s), 100 * t[-1]
@@ -93,7 +93,7 @@ def test_model_inversion_asks_for_inertia_and_friction_on_a_slow_command(
 
 @given(drives())
 def test_model_inversion_zeros_are_the_plants_poles(
-    p: model_inversion.Parameters,
+    p: TwoMass,
 ) -> None:
     r, q_1, q_0 = model_inversion.roots(p)
     a_1, a_2, a_3 = model_inversion.denominator(p)
@@ -118,7 +118,7 @@ def test_analytic_variants_add_up_the_given_derivatives() -> None:
     x = model_inversion.State()
     for _ in range(100):
         x, y = model_inversion.step(x, u, inversion, T_s, d)
-    p = inversion
+    p = inversion.drive
     a_1, a_2, a_3 = model_inversion.denominator(p)
     expected = (p.m_1 * p.m_2 * 7 + a_1 * 5 + a_2 * 3 + a_3 * 2) / p.k
     assert y.u_ff == pytest.approx(expected, rel=1e-12)

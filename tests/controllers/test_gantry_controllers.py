@@ -3,24 +3,21 @@
 import numpy as np
 import pytest
 
-from controllers import (
-    double_lead,
-    gantry_averaging,
-    gantry_filters,
-    gantry_mimo,
-    gantry_pid,
-    gantry_prefilter,
-    gantry_schedule,
-    gantry_x,
-    gantry_x_filters,
-    linear_prefilter,
-    prefilter,
-)
-from controllers._gantry import Input
-from controllers._sections import low_pass
-from controllers.synthesis.gantry_continuous import mimo_law, pid_law, x_law
+from controllers.filters import linear_prefilter, prefilter
+from controllers.filters._sections import low_pass
+from controllers.gantry import averaging as gantry_averaging
+from controllers.gantry import double_lead
+from controllers.gantry import filters as gantry_filters
+from controllers.gantry import mimo as gantry_mimo
+from controllers.gantry import pid as gantry_pid
+from controllers.gantry import prefilter as gantry_prefilter
+from controllers.gantry import schedule as gantry_schedule
+from controllers.gantry import x as gantry_x
+from controllers.gantry import x_filters as gantry_x_filters
+from controllers.gantry._common import Input
+from controllers.synthesis.gantry.continuous import mimo_law, pid_law, x_law
 from controllers.synthesis.linearise import linearise
-from plants import gantry
+from plants.gantry import frame as gantry
 
 T_s = 1 / 15_000
 F_HZ = np.array([1.0, 10.0, 40.0, 94.0])

@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers import conditional_notch, nct_compensator, nct_element, nctf, pi_d
-from controllers._frozen_integral import integrated
-from controllers.nct_element import POINTS, Input
+from controllers.leadscrew import compensator as nct_compensator
+from controllers.leadscrew import conditional_notch, nctf, pi_d
+from controllers.leadscrew import nominal_trajectory as nct_element
+from controllers.leadscrew._frozen_integral import integrated
+from controllers.leadscrew.nominal_trajectory import POINTS, Input
 
 T_s = 2e-4
 TABLE = {

@@ -7,15 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers import (
-    gain_ramp,
-    np_pi,
-    np_position,
-    p_pi_cascade,
-    speed_pi,
-    velocity_estimator,
-)
-from controllers._xy_cascade import Input
+from controllers.xy_table import gain_ramp, np_pi, speed_pi, velocity_estimator
+from controllers.xy_table import p_pi as p_pi_cascade
+from controllers.xy_table import position_np as np_position
+from controllers.xy_table._cascade import Input
 
 T_s = 1 / 2000
 SIGNALS = st.lists(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from controllers import circle_path, diamond_path, line_path
-from controllers._path import Input, State
+from controllers.references import circle_path, diamond_path, line_path
+from controllers.references._path import Input, State
 
 T_s = 1 / 15_000
 

@@ -8,13 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers import (
-    circle_reference,
-    current_pulse,
-    diamond_reference,
-    sine_reference,
-    stair_reference,
-)
+from controllers.references import circle as circle_reference
+from controllers.references import current_pulse
+from controllers.references import diamond as diamond_reference
+from controllers.references import sine as sine_reference
+from controllers.references import stair as stair_reference
 from fmus.ticks import turn
 
 T_s = 2e-4

@@ -6,8 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from controllers import filter_pack
-from controllers._sections import decay, filtered, low_pass, notch, pair, smoothed
+from controllers.ball_screw import filter_pack
+from controllers.filters._sections import (
+    decay,
+    filtered,
+    low_pass,
+    notch,
+    pair,
+    smoothed,
+)
 
 T_s = 1 / 20_000
 frequency_hz = st.floats(0.1, 5000)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers import model_inversion
-from controllers.trajectory import (
+from controllers.ball_screw import model_inversion
+from controllers.references.trajectory import (
     Input,
     Output,
     Parameters,

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from fmus.build import build
-from orchestrator.archive import unpacked
 from orchestrator.errors import FmuError
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
 
 
 def archive(path: Path, *members: str) -> Path:
@@ -46,7 +46,7 @@ def test_a_symbolic_link_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_truncated_archive_says_so(tmp_path: Path) -> None:
-    whole = build("plants.ball_screw").read_bytes()
+    whole = build("plants.ball_screw.two_mass").read_bytes()
     fmu = tmp_path / "cut.fmu"
     for length in (0, 10, len(whole) // 2, len(whole) - 10):
         fmu.write_bytes(whole[:length])
@@ -55,8 +55,8 @@ def test_a_truncated_archive_says_so(tmp_path: Path) -> None:
 
 
 def test_a_damaged_member_is_named(tmp_path: Path) -> None:
-    whole = bytearray(build("plants.ball_screw").read_bytes())
-    with zipfile.ZipFile(build("plants.ball_screw")) as file:
+    whole = bytearray(build("plants.ball_screw.two_mass").read_bytes())
+    with zipfile.ZipFile(build("plants.ball_screw.two_mass")) as file:
         info = file.getinfo("modelDescription.xml")
     begin = info.header_offset + 60
     whole[begin : begin + 40] = bytes(40)
@@ -77,6 +77,6 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 
 def test_what_was_unpacked_is_deleted() -> None:
-    with unpacked(build("plants.ball_screw")) as folder:
+    with unpacked(build("plants.ball_screw.two_mass")) as folder:
         assert (folder / "modelDescription.xml").is_file()
     assert not folder.exists()

@@ -13,14 +13,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from systems import MODELS, part, system
 
-from orchestrator.ages import describe_schedule
 from orchestrator.errors import ScenarioError, WiringError
+from orchestrator.master.ages import describe_schedule
+from orchestrator.master.simulate import simulate
 from orchestrator.result import Result
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.lock import LOCK
 from orchestrator.scenario.reading import load_scenario, read_scenario, scenario_from
 from orchestrator.session import run, run_earlier
-from orchestrator.simulate import simulate
 from orchestrator.system import Fault, Mapped, System
 
 Simulate = Callable[..., Result]

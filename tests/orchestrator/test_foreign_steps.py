@@ -12,7 +12,7 @@ from foreign import foreign
 from systems import part, system
 
 from orchestrator.errors import ScheduleError, SimulationError
-from orchestrator.simulate import plan, simulate
+from orchestrator.master.simulate import plan, simulate
 from orchestrator.system import Component, System
 
 FIXED = MISBEHAVES.replace('StepSize="true"', 'StepSize="false"')

@@ -10,12 +10,12 @@ import pytest
 from foreign import TYPES, foreign
 from systems import part, system
 
-import orchestrator.kernel_library
+import orchestrator.native.library
 from fmus.compile import PLATFORMS, CompileError, compile_alone
 from orchestrator.errors import SimulationError
-from orchestrator.kernel_library import SOURCES
+from orchestrator.master.simulate import Choice, simulate
+from orchestrator.native.library import SOURCES
 from orchestrator.result import Result
-from orchestrator.simulate import Choice, simulate
 from orchestrator.system import Component, Isolation, Mapped, System
 
 HERE = Isolation(process=False)  # in this process
@@ -133,7 +133,7 @@ def test_without_a_compiler_python_takes_over_with_a_warning(
         raise CompileError("the C compiler is missing: pip install it")
 
     given = system("1/100", [part("c", "counter", "1/1000")], record={"c.k": "1/1000"})
-    monkeypatch.setattr(orchestrator.kernel_library, "library", missing)
+    monkeypatch.setattr(orchestrator.native.library, "library", missing)
     with caplog.at_level(logging.WARNING, "feeddrive"):
         assert len(simulate(given, tmp_path)["c.k"]) == 11
     (message,) = caplog.messages

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from systems import part
 
 from orchestrator.errors import SimulationError, WiringError
+from orchestrator.master.simulate import Choice, plan, simulate
 from orchestrator.result import Result
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import compose, run_earlier
-from orchestrator.simulate import Choice, plan, simulate
 from orchestrator.system import Component, Mapped, System
 
 PERIODS = ["1/1000", "1/1500", "1/400"]

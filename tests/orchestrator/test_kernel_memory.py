@@ -9,9 +9,9 @@ from systems import MODELS
 
 from fmus.build import build
 from fmus.native_source import adapter_sources, source_names
-from orchestrator.archive import unpacked
-from orchestrator.fmu import read_fmu
-from orchestrator.kernel_library import SOURCES
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
+from orchestrator.native.library import SOURCES
 
 HOST = Path(__file__).parents[1] / "support" / "kernel_host.c"
 SANITIZERS = "-fsanitize=address,undefined"

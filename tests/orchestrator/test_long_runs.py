@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.master.simulate import simulate
 from orchestrator.profile import peak_memory
 from orchestrator.result import Result
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
-from orchestrator.simulate import simulate
 from orchestrator.system import System
 
 DRIVE = "ball_screw_pole_placement/mc_ppc_track_500"

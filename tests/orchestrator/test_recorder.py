@@ -8,7 +8,7 @@ import pytest
 from systems import part, system
 
 from orchestrator.errors import SimulationError
-from orchestrator.simulate import simulate
+from orchestrator.master.simulate import simulate
 
 Usage = namedtuple("Usage", "total used free")
 

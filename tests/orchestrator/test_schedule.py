@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orchestrator.errors import ScheduleError
-from orchestrator.schedule import Clock, Schedule, rational_gcd
+from orchestrator.master.schedule import Clock, Schedule, rational_gcd
 
 small = st.fractions(min_value=Fraction(1, 9), max_value=9, max_denominator=9)
 times = st.one_of(

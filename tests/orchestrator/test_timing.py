@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from systems import part, system
 
-from orchestrator.ages import describe_schedule
 from orchestrator.errors import ScheduleError, WiringError
+from orchestrator.master.ages import describe_schedule
 from orchestrator.result import Result
 from orchestrator.system import System
 

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from fmus.model import Continuous, Record, pack, unpack
-from plants import ball_screw, ball_screw_drive, current_loop, pitch_mode
-from plants._friction import Stribeck, friction
+from plants.ball_screw import current_loop, pitch_mode
+from plants.ball_screw import drive as ball_screw_drive
+from plants.ball_screw import two_mass as ball_screw
+from plants.ball_screw._friction import Stribeck, friction
 
 signal = st.floats(-10, 10)
 BARE = ball_screw.Parameters()

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from controllers import mc_ppc, p_pi, trajectory
+from controllers.ball_screw import mc_ppc, p_pi
+from controllers.references import trajectory
 from fmus.model import pack, unpack
-from plants import ball_screw_drive, excitation, slotting_force
+from plants.ball_screw import drive as ball_screw_drive
+from plants.disturbances import sine as excitation
+from plants.disturbances import slotting_force
 
 T_s = 1 / 20_000
 DRIVE = ball_screw_drive.Parameters()

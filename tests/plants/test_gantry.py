@@ -8,14 +8,12 @@ from hypothesis import strategies as st
 from controllers.synthesis.linearise import linearise
 from controllers.synthesis.parameters import with_values
 from fmus.model import unpack
-from plants import (
-    gantry,
-    gantry_drive,
-    gantry_encoder,
-    linear_motor,
-    linear_motor_drive,
-    multisine,
-)
+from plants.disturbances import multisine
+from plants.gantry import drive as gantry_drive
+from plants.gantry import encoder as gantry_encoder
+from plants.gantry import frame as gantry
+from plants.gantry import x_axis as linear_motor
+from plants.gantry import x_drive as linear_motor_drive
 
 p = gantry.Parameters()
 T_s = 1 / 15_000

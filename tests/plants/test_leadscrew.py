@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from fmus.model import pack, unpack
-from plants import leadscrew
-from plants._lugre import bristle, slip
-from plants.leadscrew import Input, Parameters, State, advance, current, derivative
+from plants.leadscrew import axis as leadscrew
+from plants.leadscrew._lugre import bristle, slip
+from plants.leadscrew.axis import Input, Parameters, State, advance, current, derivative
 
 HEAVY = Parameters(M=17.5, T_c=0.09, C_sd=1e-3, K_n=3.34e7, C_n=9200.0)
 

@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from fmus.model import Record, Sampled
 from fmus.ticks import sine, tick_of
-from plants import encoder, excitation, rope_snap, slotting_force
+from plants.ball_screw import encoder
+from plants.disturbances import rope_snap, slotting_force
+from plants.disturbances import sine as excitation
 
 T_s = 1 / 20_000
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from controllers.synthesis.linearise import linearise
 from fmus.simulation import Simulation
-from plants import xy_table
+from plants.xy_table import axis as xy_table
 
 B, TAU = 78020.0, 1.2e-3
 POLES = np.roots([1, 163, 193.3])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from controllers import rotary_command, trajectory
-from controllers.synthesis.ball_screw_loops import (
+from controllers.ball_screw import rotary_command
+from controllers.references import trajectory
+from controllers.synthesis.ball_screw.loops import (
     continuous_loop,
     figures,
     plant_figures,

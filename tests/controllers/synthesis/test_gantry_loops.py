@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from controllers.synthesis import gantry_loops as gl
 from controllers.synthesis import multivariable as mv
+from controllers.synthesis.gantry import loops as gl
 
 F_HZ = np.array([5.0, 57.55, 94.0])
 

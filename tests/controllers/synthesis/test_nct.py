@@ -6,18 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from controllers import nct_element
-from controllers.nct_element import POINTS
-from controllers.synthesis import friction_lookup
+from controllers.leadscrew import nominal_trajectory as nct_element
+from controllers.leadscrew.nominal_trajectory import POINTS
 from controllers.synthesis.jury import is_stable
-from controllers.synthesis.linearise import linearise
-from controllers.synthesis.nct import gains, line, trajectory
-from controllers.synthesis.nct_stability import (
+from controllers.synthesis.leadscrew import friction_lookup
+from controllers.synthesis.leadscrew.nct import gains, line, trajectory
+from controllers.synthesis.leadscrew.stability import (
     closed_loop,
     linear_limit,
     practical_limit,
 )
-from plants import leadscrew
+from controllers.synthesis.linearise import linearise
+from plants.leadscrew import axis as leadscrew
 
 T = 2e-4
 a, c = 0.0809, 5.36  # Coulomb deceleration (m/s²) and viscous rate (1/s) of TAB

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from controllers.synthesis.popov import popov
-from controllers.synthesis.xy_table_loops import (
+from controllers.synthesis.xy_table.loops import (
     Cascade,
     figures,
     gain_for_error,
