@@ -55,6 +55,7 @@ controllers.synthesis.gantry_identification controllers.synthesis.gantry.identif
 controllers.synthesis.gantry_loops controllers.synthesis.gantry.loops
 controllers.synthesis.nct controllers.synthesis.leadscrew.nct
 controllers.synthesis.nct_stability controllers.synthesis.leadscrew.stability
+controllers.synthesis.pole_placement controllers.synthesis.ball_screw.pole_placement
 controllers.synthesis.xy_table_loops controllers.synthesis.xy_table.loops
 controllers.trajectory controllers.references.trajectory
 controllers.velocity_estimator controllers.xy_table.velocity_estimator

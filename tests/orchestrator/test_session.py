@@ -40,7 +40,7 @@ latency = 1
 "controller.u_d" = 0.25
 "plant.u" = "controller.u"
 [design.gains]
-call = "controllers.synthesis.pole_placement:design"
+call = "controllers.synthesis.ball_screw.pole_placement:design"
 arguments = { m_1 = "plant.m_1", m_2 = "plant.m_2", b_1 = "plant.b_1", b_2 = "plant.b_2", k = "plant.k", c = "plant.c" }
 sets = "controller"
 [record]

@@ -30,7 +30,7 @@ latency = 1
 "plant.u" = "controller.u"
 "controller.y_*" = "plant.x_*"
 [design.gains]
-call = "controllers.synthesis.pole_placement:design"
+call = "controllers.synthesis.ball_screw.pole_placement:design"
 arguments = { m_2 = "plant.m_2", beta = 4 }
 sets = "controller"
 [record]

@@ -113,7 +113,7 @@ def test_random_systems_give_the_same_bits(
     assert_equal(system, tmp_path_factory.mktemp("random"))
 
 
-STUDIES = Path(__file__).parents[2] / "orchestrator" / "studies"
+STUDIES = Path(__file__).parents[3] / "orchestrator" / "studies"
 SCENARIOS = sorted(
     f"{file.parent.name}/{file.stem}"
     for file in STUDIES.glob("*/*.toml")

@@ -276,7 +276,7 @@ def test_a_stuck_encoder_is_told_from_the_command_line_of_a_base(
 
 
 def test_the_faults_of_the_docs_can_be_run(tmp_path: Path) -> None:
-    docs = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
+    docs = (Path(__file__).parents[3] / "docs" / "scenarios.md").read_text()
     (written,) = re.findall(r"```toml\n(\[faults\]\n.*?)```", docs, re.DOTALL)
     file = load_scenario("ball_screw_pole_placement/mc_ppc_track_500").file
     raw = read_scenario(file) | tomllib.loads(written)

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers.synthesis import pole_placement
+from controllers.synthesis.ball_screw import pole_placement
+from controllers.synthesis.pole_placement import closed_loop_poles
 
 DRIVE = {
     "m_1": 1.858e-3,
@@ -50,7 +51,7 @@ def test_gains_are_the_printed_ones():
 
 def test_wanted_poles_are_the_printed_ones():
     A, _ = pole_placement.augmented(**DRIVE)
-    poles = pole_placement.closed_loop_poles(np.linalg.eigvals(A), 4.0, 50.0, 0.7)
+    poles = closed_loop_poles(np.linalg.eigvals(A), 4.0, 50.0, 0.7)
     printed = [-89.13461 + 816.50560j, -219.91149 + 224.35459j, -314.15927]
     np.testing.assert_allclose(poles[[0, 1, 4]], printed, atol=6e-6)
 
@@ -65,7 +66,7 @@ def test_gains_solve_the_polynomial_equations_for_any_drive(scale, beta, f2_hz):
     start = DRIVE | {"b_2": 1e-3}
     drive = {name: start[name] * by for name, by in zip(start, scale, strict=True)}
     A, B = pole_placement.augmented(**drive)
-    poles = pole_placement.closed_loop_poles(np.linalg.eigvals(A), beta, f2_hz, 0.7)
+    poles = closed_loop_poles(np.linalg.eigvals(A), beta, f2_hz, 0.7)
     expected = gains_by_equating_coefficients(**drive, poles=poles)
     gains = np.array(
         list(pole_placement.design(**drive, beta=beta, f2_hz=f2_hz).values())

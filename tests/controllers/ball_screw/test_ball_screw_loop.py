@@ -189,7 +189,7 @@ def reference(name: str, x_r: np.ndarray, latency: int) -> np.ndarray:
         gain = b * (1 - pole) / (T_s * -np.expm1(real * T_s) * axial.sum())
         u_ff = signal.lfilter([1, -np.exp(real * T_s)], [1], difference)
         u_ff = gain * signal.lfilter(axial, [1, -pole], u_ff)
-        K = MC_PPC
+        K = MC_PPC.gains
         # proportional, difference and summing gain on (x_1r - y_1, x_r - y_2)
         r = np.column_stack([x_1r, x_r])
         P, D, S = [K.K_x1, K.K_x2], [K.K_v1 / T_s, K.K_v2 / T_s], [0, K.K_i2 * T_s]

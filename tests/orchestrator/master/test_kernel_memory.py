@@ -13,7 +13,7 @@ from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import read_fmu
 from orchestrator.native.library import SOURCES
 
-HOST = Path(__file__).parents[1] / "support" / "kernel_host.c"
+HOST = Path(__file__).parents[2] / "support" / "kernel_host.c"
 SANITIZERS = "-fsanitize=address,undefined"
 
 
