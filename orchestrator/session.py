@@ -97,8 +97,8 @@ def execute(
     figures = evaluate(spec.metrics, result, composition.parameter)
     diverged = divergence(spec.metrics, result, composition.parameter)
     checks = check(spec.expect, figures)
-    told = (*composition.warnings, *warnings)
-    done = Run(result, composition, figures, checks, diverged, told)
+    noted = (*composition.warnings, *warnings)
+    done = Run(result, composition, figures, checks, diverged, noted)
     summary = json.dumps(done.summary(), indent=2) + "\n"
     (folder / "metrics.json").write_text(summary, encoding="utf-8")
     if report:
