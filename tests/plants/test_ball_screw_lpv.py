@@ -16,7 +16,7 @@ from plants.ball_screw_lpv._mode import (
 )
 from plants.ball_screw_lpv._screw import Matrices, Screw, matrices
 
-POSITIONS = np.linspace(0.1, 0.6, 11)
+POSITIONS = np.linspace(0.2, 0.6, 9)
 
 
 def poles(m: Matrices, p: Screw) -> np.ndarray:
@@ -87,7 +87,7 @@ def g_22_peak(x_c: float, run_out: float) -> float:
     return float(np.max(np.abs(whole)))
 
 
-MODES: list[Mode] = [over_position(x, OverPosition(), R_G, 1.0) for x in POSITIONS] + [
+MODES: list[Mode] = [over_position(x, OverPosition(), R_G) for x in POSITIONS] + [
     over_position_and_mass(x, m, OverPositionAndMass())
     for x in POSITIONS
     for m in (0.0, 10.0)
