@@ -37,6 +37,7 @@ from orchestrator.master.wiring import wire
 from orchestrator.profile import Profile, Spent
 from orchestrator.result import Result, Timing
 from orchestrator.system import Isolation, System
+from orchestrator.warned import warn
 
 LOG = logging.getLogger("feeddrive")
 _UNSAID = Isolation()
@@ -50,6 +51,7 @@ Choice: TypeAlias = Literal["kernel", "python"]
 class Engine(Protocol):
     """Carries out a timetable: yields instants reached, counts those done."""
 
+    name: Choice
     count: int
 
     def run(self) -> Iterator[int]: ...
@@ -145,7 +147,7 @@ def _engine(
             why = f"the kernel cannot be compiled: {error}"
         if executor == "kernel":
             raise SimulationError(f"executor kernel: {why}; leave the choice open")
-        LOG.warning("%s; the Python executor is used, which is slower", why)
+        warn(f"{why}; the Python executor is used, which is slower")
     rows = {name: table.row for name, table in recorder.tables.items()}
     return Executor(timetable, instances, vector, rows, profiled=profiled)
 
@@ -215,4 +217,4 @@ def _execute(
     stop = timetable.wiring.system.stop
     if progress:
         progress(stop)
-    return Timing(perf_counter() - begun, engine.count, float(stop))
+    return Timing(perf_counter() - begun, engine.count, float(stop), engine.name)
