@@ -159,7 +159,8 @@ def test_inertia_feedforward_takes_backward_differences() -> None:
     p = inertia_feedforward.Parameters()
     t = T_s * np.arange(10)
     u_ff = responses(inertia_feedforward.model, p, 3 * t * t)[2:, 0]
-    expected = (p.m_1 + p.m_2) * 6 + (p.b_1 + p.b_2) * 6 * (t[2:] - T_s / 2)
+    m_1, m_2, b_1, b_2 = p.drive
+    expected = (m_1 + m_2) * 6 + (b_1 + b_2) * 6 * (t[2:] - T_s / 2)
     assert u_ff == pytest.approx(expected, rel=1e-6)
 
 
