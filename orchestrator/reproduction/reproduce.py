@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.history.folder import Begun, taken
 from orchestrator.quantity import NoValue, Quantity
 from orchestrator.reproduction.formula import evaluate_formula
 from orchestrator.reproduction.reference import FigureSpec, read_reference
@@ -75,37 +76,43 @@ def reproduce(
     only: str = "*",
     *,
     processes: int | None = None,
-    runs: Path = Path("runs"),
+    folder: Path | None = None,
     told: Told = lambda text: None,
 ) -> list[Figure]:
     """Return the figures of a study whose id fits the pattern ``only``.
 
-    ``study`` is a study's name or folder.  Runs are kept under ``runs``; ``told``
-    hears of each run that ends.  More than four runs share two ``processes``.
+    ``study`` is a study's name or folder.  Runs are kept in ``folder`` (default
+    ``runs/<study>/reproduce/<n>``); ``told`` hears of each run that ends.  More than
+    four runs share two ``processes``.
 
     Raises:
         FeedDriveError: no such study or figure, or a run that fails.
     """
-    folder = study if isinstance(study, Path) else find_study(study)
-    reference = read_reference(folder / "reference.toml")
+    place = study if isinstance(study, Path) else find_study(study)
+    reference = read_reference(place / "reference.toml")
     table = {spec.id: spec for spec in reference.figure}
     wanted = [spec for spec in reference.figure if fnmatchcase(spec.id, only)]
     if not wanted:
         raise ScenarioError(f"no figure fits {only!r}; {did_you_mean(only, table)}")
     needed = _with_ingredients(wanted, table)
     jobs = dict.fromkeys(
-        _job(spec, folder) for spec in needed if spec.scenario is not None
+        _job(spec, place) for spec in needed if spec.scenario is not None
     )
     at_once = processes or (2 if len(jobs) > 4 else 1)
-    measured = run_all(list(jobs), runs, at_once, told)
-    called: dict[str, Any] = {}
-    values: dict[str, Quantity | None] = {}
-    for spec in needed:  # ingredients come before what is made of them
-        try:
-            values[spec.id] = _value(spec, folder, measured, called, values)
-        except ScenarioError as error:
-            raise ScenarioError(f"{folder.name}: {spec.id}: {error}") from None
-    return [_judge(spec, values[spec.id], reference.agreement) for spec in wanted]
+    changed = () if only == "*" else (f"--only {only}",)
+    begun = Begun("reproduce", f"{place.name}/reproduce", changed)
+    with taken(folder, begun) as kept:
+        measured = run_all(list(jobs), kept.path, at_once, told)
+        called: dict[str, Any] = {}
+        values: dict[str, Quantity | None] = {}
+        for spec in needed:  # ingredients come before what is made of them
+            try:
+                values[spec.id] = _value(spec, place, measured, called, values)
+            except ScenarioError as error:
+                raise ScenarioError(f"{place.name}: {spec.id}: {error}") from None
+        found = [_judge(spec, values[spec.id], reference.agreement) for spec in wanted]
+        kept.complete({"study": place.name, "figures": [f.row() for f in found]})
+    return found
 
 
 def _with_ingredients(
@@ -138,7 +145,7 @@ def run_all(
     """Run each scenario once, some at a time; return their figures."""
     measured = {}
     folders = {
-        job: runs / Path(job[0]).parent.name / f"{number:03d}_{Path(job[0]).stem}"
+        job: runs / f"{number:03d}_{Path(job[0]).stem}"
         for number, job in enumerate(jobs)
     }
     if processes == 1 or len(jobs) == 1:
