@@ -107,6 +107,7 @@ class Table:
         self._dtypes = [np.dtype(c.dtype) for c in columns]
         self._file = path.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)
+        self._file.flush()  # readable, without rows, from the first moment
         self.index = np.array([c.index for c in columns], dtype=np.intp)
         self._affine = {
             i: (c.affine.gain, c.affine.offset)

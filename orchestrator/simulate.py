@@ -35,6 +35,7 @@ from orchestrator.recorder import Recorder, refuse_no_room
 from orchestrator.result import Result, Timing
 from orchestrator.system import Isolation, System
 from orchestrator.timetable import Timetable
+from orchestrator.warned import warn
 from orchestrator.wiring import Wiring, wire
 
 LOG = logging.getLogger("feeddrive")
@@ -49,6 +50,7 @@ Choice: TypeAlias = Literal["kernel", "python"]
 class Engine(Protocol):
     """Carries out a timetable: yields instants reached, counts those done."""
 
+    name: Choice
     count: int
 
     def run(self) -> Iterator[int]: ...
@@ -59,12 +61,14 @@ def simulate(
     system: System,
     folder: Path,
     *,
+    timetable: Timetable | None = None,
     progress: Progress | None = None,
     executor: Choice | None = None,
     profile: bool = False,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
+    ``timetable`` is what ``plan`` returned for it, if that was asked before.
     ``progress`` is told the time reached (s), about four times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.
@@ -73,7 +77,7 @@ def simulate(
         FmuError, WiringError, ScheduleError: refused before anything ran.
         SimulationError: the run failed; rows until then are readable.
     """
-    timetable = plan(system)
+    timetable = timetable or plan(system)
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)
@@ -144,7 +148,7 @@ def _engine(
             why = f"the kernel cannot be compiled: {error}"
         if executor == "kernel":
             raise SimulationError(f"executor kernel: {why}; leave the choice open")
-        LOG.warning("%s; the Python executor is used, which is slower", why)
+        warn(f"{why}; the Python executor is used, which is slower")
     rows = {name: table.row for name, table in recorder.tables.items()}
     return Executor(timetable, instances, vector, rows, profiled=profiled)
 
@@ -214,4 +218,4 @@ def _execute(
     stop = timetable.wiring.system.stop
     if progress:
         progress(stop)
-    return Timing(perf_counter() - begun, engine.count, float(stop))
+    return Timing(perf_counter() - begun, engine.count, float(stop), engine.name)
