@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.faults import Faults
 from orchestrator.instances.instance import Instance
-from orchestrator.places import Views, fitted, views
+from orchestrator.places import Copy, Views, carry, views
 from orchestrator.profile import Spent
 from orchestrator.timetable import Op, Program, Timetable
-from orchestrator.wiring import Copy, Part
+from orchestrator.wiring import Part
 
 Action = Callable[[int], None]
 
@@ -191,19 +191,6 @@ def _copy(
             carry(c, views, seconds(k))
 
     return copy
-
-
-def carry(copy: Copy, views: Views, t: float) -> None:
-    """Copy a number into a place of another type.
-
-    Raises:
-        SimulationError: it would lose digits there.
-    """
-    try:
-        value = fitted(views[copy.from_][copy.source], copy.affine, copy.to)
-    except ValueError as error:
-        raise SimulationError(f"{copy.ends} at t = {t:.9g} s: {error}") from None
-    views[copy.to][copy.sink] = value
 
 
 def refusal(part: Part, vector: NDArray[np.float64], t: float) -> SimulationError:

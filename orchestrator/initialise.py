@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.executor import carry
 from orchestrator.instances.instance import Instance
 from orchestrator.order import initial_order
-from orchestrator.places import store, views
-from orchestrator.wiring import Copy, Edge, Part, Wiring
+from orchestrator.places import Copy, carry, store, views
+from orchestrator.wiring import Edge, Part, Wiring
 
 TOLERANCE = 1e-12
 SUBSTITUTIONS = 200

@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 
 from orchestrator import kernel_library as c
 from orchestrator.errors import SimulationError
-from orchestrator.executor import carry, refusal
+from orchestrator.executor import refusal
 from orchestrator.faults import Faults
 from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.group import group_table
 from orchestrator.instances.instance import Instance
-from orchestrator.places import views
+from orchestrator.places import Copy, carry, views
 from orchestrator.profile import Spent
 from orchestrator.recorder import CHUNK, Table
 from orchestrator.schedule import Stretch
 from orchestrator.timetable import Op, Program, Timetable
-from orchestrator.wiring import Copy, Part
+from orchestrator.wiring import Part
 
 CHUNK_S = 0.05
 ARENA = 1 << 16  # bytes; what is used together lies together

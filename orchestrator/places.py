@@ -5,11 +5,13 @@ types a value passes exactly or not at all, unless a gain or offset is asked for
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.errors import SimulationError
 from orchestrator.fmu import Dtype, FmuVariable
 from orchestrator.ports import Affine
 
@@ -60,3 +62,40 @@ def fitted(value: float, affine: Affine, to: Dtype) -> float:
     if not low <= value <= high:
         raise ValueError(f"{value} does not fit into {to}")
     return int(value)
+
+
+@dataclass(frozen=True)
+class Copy:
+    """vector[sink] = gain * vector[source] + offset; ``ends`` names both.
+
+    ``from_`` and ``to`` are the types of the two places.
+    """
+
+    source: int
+    sink: int
+    affine: Affine
+    from_: Dtype
+    to: Dtype
+    ends: str
+
+    @property
+    def is_exact(self) -> bool:
+        """Tell whether the bits of the place are copied."""
+        return self.from_ == self.to and not self.affine.converts
+
+    @property
+    def is_of_doubles(self) -> bool:
+        return self.from_ == self.to == "float64"
+
+
+def carry(copy: Copy, views: Views, t: float) -> None:
+    """Copy a number into a place of another type.
+
+    Raises:
+        SimulationError: it would lose digits there.
+    """
+    try:
+        value = fitted(views[copy.from_][copy.source], copy.affine, copy.to)
+    except ValueError as error:
+        raise SimulationError(f"{copy.ends} at t = {t:.9g} s: {error}") from None
+    views[copy.to][copy.sink] = value

@@ -14,35 +14,12 @@ from itertools import groupby
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu import Dtype, FmuDescription, FmuVariable
+from orchestrator.places import Copy
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
-
-
-@dataclass(frozen=True)
-class Copy:
-    """vector[sink] = gain * vector[source] + offset; ``ends`` names both.
-
-    ``from_`` and ``to`` are the types of the two places.
-    """
-
-    source: int
-    sink: int
-    affine: Affine
-    from_: Dtype
-    to: Dtype
-    ends: str
-
-    @property
-    def is_exact(self) -> bool:
-        """Tell whether the bits of the place are copied."""
-        return self.from_ == self.to and not self.affine.converts
-
-    @property
-    def is_of_doubles(self) -> bool:
-        return self.from_ == self.to == "float64"
 
 
 @dataclass(frozen=True)
