@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from orchestrator.errors import FmuError
-from orchestrator.temporary import temporary_folder
+from orchestrator.folders.temporary import temporary_folder
 
 # what zipfile raises on damaged data
 DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)

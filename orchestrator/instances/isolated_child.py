@@ -24,11 +24,11 @@ import numpy as np
 
 from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.folders.temporary import sweep
 from orchestrator.instances.group import group_table
 from orchestrator.instances.instance import LocalInstance, LogMessage
 from orchestrator.instances.load import load
 from orchestrator.native import library as c
-from orchestrator.temporary import sweep
 
 CHANNEL = "feeddrive-channel"  # file in the folder of the FMU
 

@@ -1,4 +1,4 @@
-"""A checked system laid out on one vector of doubles.
+"""A checked system laid out on one vector of places.
 
 Every part owns contiguous places: its connected inputs, its read variables
 as the FMU gives them (raw), and, with a latency, the published ones.  Copies
@@ -8,23 +8,16 @@ carry published values to inputs.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import groupby
 from typing import TypeAlias
 
-from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.description import Dtype, FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, Port
 from orchestrator.fmu.start_values import start_values
+from orchestrator.master.places import Copy
 from orchestrator.system import Component, Fault, Kind, System
 
 Link: TypeAlias = tuple[Port, Port, Affine]  # from an output to an input
-
-
-@dataclass(frozen=True)
-class Copy:
-    """vector[sink] = gain * vector[source] + offset."""
-
-    source: int
-    sink: int
-    affine: Affine
 
 
 @dataclass(frozen=True)
@@ -66,6 +59,16 @@ class Part:
         return sum(v.size for v in self.read)
 
     @property
+    def spans(self) -> tuple[tuple[int, int], ...]:
+        """First place and end, from ``raw`` on, of the doubles among what is read."""
+        spans, first = [], 0
+        for doubles, same in groupby(self.read, key=lambda v: v.dtype == "float64"):
+            end = first + sum(v.size for v in same)
+            spans += [(first, end)] if doubles else []
+            first = end
+        return tuple(spans)
+
+    @property
     def input_size(self) -> int:
         return sum(v.size for v in self.inputs)
 
@@ -79,6 +82,7 @@ class Faulty:
 
     edge: Edge
     place: int
+    dtype: Dtype
     affine: Affine
     faults: tuple[Fault, ...]
 
@@ -91,6 +95,7 @@ class Column:
     unit: str
     index: int
     affine: Affine
+    dtype: Dtype = "float64"
 
 
 @dataclass(frozen=True)
@@ -171,6 +176,9 @@ class Layout:
                 self.read_at[name, s.variable.name] + s.element,
                 self.input_at[t.component, t.variable.name] + t.element,
                 affine,
+                s.variable.dtype,
+                t.variable.dtype,
+                f"{s.full_name} -> {t.full_name}",
             )
             for s, t, affine in self.links
             if s.component == name
@@ -196,7 +204,8 @@ class Layout:
             index, affine = self.input_at[key], affine.inverse()
         else:
             index = self.read_at[key]
-        return Column(port.full_name, port.unit or "1", index + port.element, affine)
+        place, dtype = index + port.element, port.variable.dtype
+        return Column(port.full_name, port.unit or "1", place, affine, dtype)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:

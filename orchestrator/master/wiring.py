@@ -92,7 +92,8 @@ def _faulty(
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
             affine = Affine(port.gain, port.offset)
-            yield Faulty(edge, layout.input_at[key] + port.element, affine, faults)
+            place = layout.input_at[key] + port.element
+            yield Faulty(edge, place, port.variable.dtype, affine, faults)
 
 
 def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:

@@ -10,10 +10,12 @@
 #include <math.h>
 
 enum {
-    NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED
+    NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED,
+    COPY_FAILED
 };
 enum { WARNING = 1 };
-enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
+enum { F64, I64, U64, F32, I8, U8, I16, U16, I32, U32, BOOL32, BOOL8 };
+#define IN_PLACE(type) ((type) <= U64)
 
 #if defined(__GNUC__)
 #define ALWAYS_INLINE inline __attribute__((always_inline))
@@ -47,8 +49,6 @@ static void from_buffer(const Group *g) {
     case U16: EACH(uint16_t, v[i] = b[i]);
     case I32: EACH(int32_t, v[i] = b[i]);
     case U32: EACH(uint32_t, v[i] = b[i]);
-    case I64: EACH(int64_t, v[i] = (double)b[i]);
-    case U64: EACH(uint64_t, v[i] = (double)b[i]);
     case BOOL32: EACH(int32_t, v[i] = b[i]);
     case BOOL8: EACH(_Bool, v[i] = b[i]);
     default: break;
@@ -58,10 +58,10 @@ static void from_buffer(const Group *g) {
 /* Returns 0 if a value does not fit into the type. */
 static int to_buffer(const Group *g) {
     const double *v = g->values;
-    if (g->type >= I8 && g->type <= U64)
-        for (size_t i = 0; i < g->size; i++)
-            if (!(trunc(v[i]) >= g->low && trunc(v[i]) < g->above))
-                return 0;
+    for (size_t i = 0; i < g->size; i++)
+        if (!(v[i] >= g->low && v[i] <= g->high) ||
+            (g->type != F32 && v[i] != trunc(v[i])))
+            return 0;
     switch (g->type) {
     case F32: EACH(float, b[i] = (float)v[i]);
     case I8: EACH(int8_t, b[i] = (int8_t)v[i]);
@@ -70,8 +70,6 @@ static int to_buffer(const Group *g) {
     case U16: EACH(uint16_t, b[i] = (uint16_t)v[i]);
     case I32: EACH(int32_t, b[i] = (int32_t)v[i]);
     case U32: EACH(uint32_t, b[i] = (uint32_t)v[i]);
-    case I64: EACH(int64_t, b[i] = (int64_t)v[i]);
-    case U64: EACH(uint64_t, b[i] = (uint64_t)v[i]);
     case BOOL32: EACH(int32_t, b[i] = v[i] != 0);
     case BOOL8: EACH(_Bool, b[i] = v[i] != 0);
     default: break;
@@ -165,21 +163,22 @@ static ALWAYS_INLINE int get_outputs(Kernel *kernel, Part *p, const Op *op,
         int status = call(g, g->get, p->instance);
         if (status > WARNING)
             return fail(kernel, GET_FAILED, k, op, i, status);
-        if (g->type != F64)
+        if (!IN_PLACE(g->type))
             from_buffer(g);
     }
     if (p->pending && !move_on(kernel, p, op, k))
         return 0;
-    for (size_t i = 0; i < p->n_read; i++)
-        if (!isfinite(p->raw[i]))
-            return fail(kernel, NOT_FINITE, k, op, 0, 0);
+    for (const Span *s = p->spans; s < p->spans + p->n_spans; s++)
+        for (size_t i = s->first; i < s->end; i++)
+            if (!isfinite(p->raw[i]))
+                return fail(kernel, NOT_FINITE, k, op, 0, 0);
     return 1;
 }
 
 static ALWAYS_INLINE int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     for (size_t i = 0; i < p->n_inputs; i++) {
         const Group *g = p->inputs + i;
-        if (g->type != F64 && !to_buffer(g))
+        if (!IN_PLACE(g->type) && !to_buffer(g))
             return fail(kernel, DOES_NOT_FIT, k, op, i, 0);
         int status = call(g, g->set, p->instance);
         if (status > WARNING)

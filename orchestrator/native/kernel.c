@@ -8,7 +8,7 @@
 
        STEP     do_step from t - back ticks over h; the FMU's clock shows the start
        READ     get all outputs into raw, refuse what is not finite
-       COPY     vector[sink] = gain * vector[source] + offset
+       COPY     vector[sink] = gain * vector[source] + offset, 64-bit integers exactly
        RELEASE  publish the oldest row of the latency line, then COPY
        WRITE    set all inputs
        HOLD     put raw into the latency line, publish what is not delayed
@@ -24,6 +24,7 @@
 #include "calls.h"
 #include "kernel.h"
 
+#include <math.h>
 #include <string.h>
 
 #ifdef _WIN32
@@ -40,12 +41,49 @@ static double seconds(const Kernel *kernel, int64_t k) {
     return (double)(k * kernel->tick_num) / (double)kernel->tick_den;
 }
 
-static ALWAYS_INLINE void copy(const Part *p) {
-    const Copy *c = p->copies, *exact = c + p->n_exact, *end = c + p->n_copies;
+/* Between a 64-bit integer and another type; returns 0 if digits would be lost that
+   no gain or offset asks to be. */
+static int retype(const Copy *c) {
+    int64_t word;
+    double v = *c->source;
+    memcpy(&word, c->source, sizeof word);
+    int converts = c->gain != 1 || c->offset != 0;
+    if (!converts && c->from != F64 && c->to != F64) { /* the two integers */
+        memcpy(c->sink, &word, sizeof word);
+        return word >= 0;
+    }
+    if (c->from == I64)
+        v = (double)word;
+    if (c->from == U64)
+        v = (double)(uint64_t)word;
+    if (!converts && c->from == I64 && !(v < 0x1p63 && (int64_t)v == word))
+        return 0;
+    if (!converts && c->from == U64 && !(v < 0x1p64 && (uint64_t)v == (uint64_t)word))
+        return 0;
+    if (converts)
+        v = c->gain * v + c->offset;
+    if (c->to == F64) {
+        *c->sink = v;
+        return 1;
+    }
+    if (v != trunc(v) || !(c->to == I64 ? v >= -0x1p63 && v < 0x1p63
+                                        : v >= 0 && v < 0x1p64))
+        return 0;
+    word = c->to == I64 ? (int64_t)v : (int64_t)(uint64_t)v;
+    memcpy(c->sink, &word, sizeof word);
+    return 1;
+}
+
+static ALWAYS_INLINE int copy(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+    const Copy *c = p->copies, *exact = c + p->n_exact, *doubles = c + p->n_doubles;
     for (; c < exact; c++)
-        *c->sink = *c->source;
-    for (; c < end; c++)
+        memcpy(c->sink, c->source, sizeof *c->sink);
+    for (; c < doubles; c++)
         *c->sink = c->gain * *c->source + c->offset;
+    for (; c < p->copies + p->n_copies; c++)
+        if (!retype(c))
+            return fail(kernel, COPY_FAILED, k, op, (size_t)(c - p->copies), 0);
+    return 1;
 }
 
 static void hold(Part *p) {
@@ -56,10 +94,10 @@ static void hold(Part *p) {
            (p->n_read - p->n_delayed) * sizeof(double));
 }
 
-static void release(const Part *p) {
+static int release(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     const double *row = p->line + p->head * p->n_delayed;
     memcpy(p->published, row, p->n_delayed * sizeof(double));
-    copy(p);
+    return copy(kernel, p, op, k);
 }
 
 static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
@@ -67,7 +105,7 @@ static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
     double *place = table->columns + row;
     table->time[row] = t;
     for (size_t c = 0; c < table->n_columns; c++, place += table->capacity)
-        *place = *table->sources[c];
+        memcpy(place, table->sources[c], sizeof *place);
     if (*table->count == table->capacity)
         kernel->full = 1;
 }
@@ -91,8 +129,8 @@ static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now)
     switch (op->code) {
     case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));
     case READ: return get_outputs(kernel, p, op, k);
-    case COPY: copy(p); return 1;
-    case RELEASE: release(p); return 1;
+    case COPY: return copy(kernel, p, op, k);
+    case RELEASE: return release(kernel, p, op, k);
     case WRITE: return set_inputs(kernel, p, op, k);
     case HOLD: hold(p); return 1;
     case FAULT: kernel->fault(op->target, k); return 1;
