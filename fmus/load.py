@@ -13,8 +13,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-from fmus.closure import NoSuchModule, closure, files_digest, is_file, module_name
+from fmus.closure import (
+    DataUnclear,
+    NoSuchModule,
+    closure,
+    data_files,
+    files_digest,
+    is_file,
+    module_name,
+)
 from fmus.model import Continuous, Model, Sampled
+from fmus.own import HOME, OWN_PACKAGES, at_home
 
 PACKAGE = Path(__file__).parent
 # what CasADi says of a signal that Python takes for a number, and what we say
@@ -24,8 +33,10 @@ MEANT = {
     "np.logical_and and np.logical_or for and and or",
     "iterate over m.nz": "an array of signals cannot be unpacked or looped over: "
     "index it, as in x[0], or use NumPy on the whole",
+    "x.size2()==y.size1()": "these arrays of signals do not fit: write np.dot(c, x) "
+    "for a row times a column, A @ x for a matrix of shape (n, m) times (m,)",
 }
-_loaded: dict[str, str] = {}  # fingerprint of the file each module was loaded from
+_loaded: dict[str, str] = {}  # fingerprint of what each module was loaded from
 
 
 class BuildError(Exception):
@@ -36,19 +47,40 @@ def sources(module: str) -> dict[str, Path]:
     """Return the files a model module is made of, by module name.
 
     Raises:
-        BuildError: there is no such module, or a file is no Python.
+        BuildError: there is no such module, a file is no Python, or which data it
+            reads is unclear.
     """
     try:
-        return closure(module)
+        files = closure(module)
+        data_files(files)
     except NoSuchModule as error:
         if is_file(module):
             raise BuildError("no such file") from None
+        top, _, rest = module.partition(".")
+        if top in OWN_PACKAGES and rest:
+            raise BuildError(
+                f"{error}{_alike(top, rest)}; a model in a folder {top} of your own "
+                f"is given by the path of its .py file"
+            ) from None
         raise BuildError(
-            f"{error}: give a dotted name such as plants.ball_screw, or the path "
-            f"of a .py file"
+            f"{error}: give a dotted name such as plants.ball_screw.two_mass, or "
+            f"the path of a .py file"
         ) from None
     except SyntaxError as error:
         raise BuildError(f"{error.filename}:{error.lineno}: {error.msg}") from None
+    except DataUnclear as error:
+        raise BuildError(str(error)) from None
+    return files
+
+
+def _alike(top: str, rest: str) -> str:
+    """Return which modules of ours end in that name, as a question."""
+    stem = rest.rpartition(".")[2]
+    found = [
+        ".".join(file.relative_to(HOME).with_suffix("").parts)
+        for file in sorted((HOME / top).rglob(f"{stem}.py"))
+    ]
+    return f"; is it {' or '.join(found)}?" if found else ""
 
 
 def load_model(module: str) -> Model:
@@ -57,8 +89,11 @@ def load_model(module: str) -> Model:
     Raises:
         BuildError: no such module, it does not import, or it has no model.
     """
-    model = getattr(load_module(module), "model", None)
+    loaded = load_module(module)
+    model = getattr(loaded, "model", None)
     if not isinstance(model, Continuous | Sampled):
+        if hasattr(loaded, "__path__"):
+            raise BuildError(f"{module} is a package: name a model in it")
         raise BuildError(
             f"{module} has no model: end it with model = Continuous(...) or "
             f"model = Sampled(...)"
@@ -72,11 +107,16 @@ def load_module(module: str) -> ModuleType:
     Raises:
         BuildError: no such module, or it does not import.
     """
+    with at_home():
+        return _load_module(module)
+
+
+def _load_module(module: str) -> ModuleType:
     files, name = sources(module), module_name(module)
     if is_file(module) and name in sys.stdlib_module_names:
         raise BuildError(f"{module} has the name of a module of Python: rename it")
     _forget_stale(files)
-    with _importable(Path(module).resolve().parent if is_file(module) else None):
+    with importable(Path(module).resolve().parent if is_file(module) else None):
         try:
             imported = importlib.import_module(name)
         except Exception as error:
@@ -98,13 +138,18 @@ def blame(error: Exception, files: Mapping[str, Path], what: str) -> str:
     return f"{what}: {line.filename}:{line.lineno}: {line.line}: {reason}"
 
 
-def _forget_stale(files: Mapping[str, Path]) -> None:
-    """Drop the modules of a closure if one was loaded from other bytes."""
-    own = {
+def own_files(files: Mapping[str, Path]) -> dict[str, Path]:
+    """Return those of a closure that are neither ``fmus`` nor Python's."""
+    return {
         n: f
         for n, f in files.items()
         if PACKAGE not in f.parents and n not in sys.stdlib_module_names
     }
+
+
+def _forget_stale(files: Mapping[str, Path]) -> None:
+    """Drop the modules of a closure if one was loaded from other bytes."""
+    own = own_files(files)
     if any(_stale(name, file) for name, file in own.items()):
         for name in own:
             sys.modules.pop(name, None)
@@ -121,11 +166,11 @@ def _stale(name: str, file: Path) -> bool:
 
 
 def _fingerprint(file: Path) -> str:
-    return files_digest({"": file})
+    return files_digest({"": file}, data_files({"": file}))
 
 
 @contextmanager
-def _importable(folder: Path | None) -> Iterator[None]:
+def importable(folder: Path | None) -> Iterator[None]:
     """Put a folder on the path; leave no bytecode that hides a quick edit."""
     importlib.invalidate_caches()
     path, written = sys.path[:], sys.dont_write_bytecode

@@ -15,7 +15,9 @@ class Run(Result):
 
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
     ``diverged`` says which signal diverges and when, if one does;
-    ``composition`` is the system that ran, with its design results.
+    ``composition`` is the system that ran, with its design results; ``warnings``
+    are what its user has to know of it, ``number`` is that of its folder if it has
+    one.
     """
 
     def __init__(
@@ -25,12 +27,16 @@ class Run(Result):
         metrics: Mapping[str, Quantity],
         checks: list[Check],
         diverged: str | None = None,
+        warnings: tuple[str, ...] = (),
+        number: int | None = None,
     ) -> None:
         super().__init__(result.folder, result.timing)
         self.composition = composition
         self.metrics = metrics
         self.checks = checks
         self.diverged = diverged
+        self.warnings = warnings
+        self.number = number
 
     @property
     def scenario(self) -> Scenario:
@@ -41,11 +47,14 @@ class Run(Result):
         timing = self.timing
         return {
             "scenario": self.scenario.name,
+            "number": self.number,
             "stop": float(self.composition.system.stop),
             "metrics": {
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "diverged": self.diverged,
+            "warnings": list(self.warnings),
+            "executor": timing and timing.executor,
             "timing": timing
             and {
                 "wall_s": timing.wall_s,

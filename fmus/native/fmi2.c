@@ -83,7 +83,9 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                        fmi2Real value[]) {
-    if (!component_may(OF(c), "fmi2GetReal", ANY))
+    if (!component_may(OF(c), "fmi2GetReal", ANY) ||
+        !component_given(OF(c), "fmi2GetReal", nvr, vr) ||
+        !component_given(OF(c), "fmi2GetReal", nvr, value))
         return fmi2Error;
     const double *values = component_values(OF(c));
     for (size_t i = 0; i < nvr; i++) {
@@ -96,7 +98,9 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                        const fmi2Real value[]) {
-    if (!component_may(OF(c), "fmi2SetReal", SOUND))
+    if (!component_may(OF(c), "fmi2SetReal", SOUND) ||
+        !component_given(OF(c), "fmi2SetReal", nvr, vr) ||
+        !component_given(OF(c), "fmi2SetReal", nvr, value))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
         const Variable *v = component_find(OF(c), "fmi2SetReal", vr[i], 0);
@@ -110,7 +114,9 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[],
                           size_t nvr, fmi2Boolean value[]) {
-    if (!component_may(OF(c), "fmi2GetBoolean", ANY))
+    if (!component_may(OF(c), "fmi2GetBoolean", ANY) ||
+        !component_given(OF(c), "fmi2GetBoolean", nvr, vr) ||
+        !component_given(OF(c), "fmi2GetBoolean", nvr, value))
         return fmi2Error;
     const double *values = component_values(OF(c));
     for (size_t i = 0; i < nvr; i++) {
@@ -123,7 +129,9 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[],
                           size_t nvr, const fmi2Boolean value[]) {
-    if (!component_may(OF(c), "fmi2SetBoolean", SOUND))
+    if (!component_may(OF(c), "fmi2SetBoolean", SOUND) ||
+        !component_given(OF(c), "fmi2SetBoolean", nvr, vr) ||
+        !component_given(OF(c), "fmi2SetBoolean", nvr, value))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
         const Variable *v = component_find(OF(c), "fmi2SetBoolean", vr[i], 1);
@@ -139,6 +147,8 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 
 static fmi2Status fmi2_no_type(fmi2Component c, const char *function,
                           const fmi2ValueReference vr[], size_t nvr) {
+    if (!component_may(OF(c), function, ANY) || !component_given(OF(c), function, nvr, vr))
+        return fmi2Error;
     return (fmi2Status)component_no_type(OF(c), function, nvr, nvr ? vr[0] : 0);
 }
 

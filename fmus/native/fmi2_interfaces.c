@@ -57,7 +57,8 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s,
                              fmi2Real *value) {
     if (s != fmi2LastSuccessfulTime)
         return fmi2_absent(c, "fmi2GetRealStatus of another kind than the last time");
-    if (!component_may(OF(c), "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED))
+    if (!component_may(OF(c), "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(OF(c), "fmi2GetRealStatus", 1, value))
         return fmi2Error;
     *value = component_values(OF(c))[feeddrive_model.size - 1];
     return fmi2OK;
@@ -72,7 +73,8 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s,
                                 fmi2Boolean *value) {
     if (s != fmi2Terminated)
         return fmi2_absent(c, "fmi2GetBooleanStatus of another kind than terminated");
-    if (!component_may(OF(c), "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED))
+    if (!component_may(OF(c), "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(OF(c), "fmi2GetBooleanStatus", 1, value))
         return fmi2Error;
     *value = fmi2False;
     return fmi2OK;
@@ -90,7 +92,8 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
-    if (!component_may(OF(c), "fmi2NewDiscreteStates", EVENT))
+    if (!component_may(OF(c), "fmi2NewDiscreteStates", EVENT) ||
+        !component_given(OF(c), "fmi2NewDiscreteStates", 1, eventInfo))
         return fmi2Error;
     memset(eventInfo, 0, sizeof *eventInfo);
     return fmi2OK;
@@ -104,7 +107,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c,
                                        fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode,
                                        fmi2Boolean *terminateSimulation) {
-    if (!component_may(OF(c), "fmi2CompletedIntegratorStep", CONTINUOUS_TIME))
+    const char *function = "fmi2CompletedIntegratorStep";
+    if (!component_may(OF(c), function, CONTINUOUS_TIME) ||
+        !component_given(OF(c), function, 1, enterEventMode) ||
+        !component_given(OF(c), function, 1, terminateSimulation))
         return fmi2Error;
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;

@@ -12,6 +12,9 @@ static fmi3Status fmi3_absent(fmi3Instance instance, const char *function) {
 
 static fmi3Status fmi3_no_type(fmi3Instance instance, const char *function,
                           const fmi3ValueReference valueReferences[], size_t n) {
+    if (!component_may(OF(instance), function, ANY) ||
+        !component_given(OF(instance), function, n, valueReferences))
+        return fmi3Error;
     return (fmi3Status)component_no_type(OF(instance), function, n, n ? valueReferences[0] : 0);
 }
 

@@ -12,21 +12,24 @@
 typedef struct {
     char magic[8];
     uint64_t token, interface, size; /* size of the whole, in bytes */
+    uint64_t digest;                 /* of what follows, once it is written */
 } Head;
 
-static const char MAGIC[8] = "feeddr2";
+static const char MAGIC[8] = "feeddr3";
 
-static uint64_t token_digest(void) {
+static uint64_t digest_of(const void *bytes, size_t size) {
     uint64_t digest = 14695981039346656037u; /* FNV-1a */
-    for (const char *p = M.token; *p; p++)
-        digest = (digest ^ (unsigned char)*p) * 1099511628211u;
+    const unsigned char *p = (const unsigned char *)bytes;
+    for (size_t i = 0; i < size; i++)
+        digest = (digest ^ p[i]) * 1099511628211u;
     return digest;
 }
 
 static Head head_of(const Component *c, size_t size) {
     Head head;
+    memset(&head, 0, sizeof head);
     memcpy(head.magic, MAGIC, sizeof MAGIC);
-    head.token = token_digest();
+    head.token = digest_of(M.token, strlen(M.token));
     head.interface = (uint64_t)c->model_exchange;
     head.size = size;
     return head;
@@ -49,9 +52,18 @@ static unsigned char *put(unsigned char *to, const void *from, size_t size) {
     return to + size;
 }
 
+static size_t snapshot_bytes(const void *snapshot) {
+    Head head;
+    memcpy(&head, snapshot, sizeof head);
+    return (size_t)head.size;
+}
+
 /* Memory of that size in place of what there was; NULL leaves that. */
 static unsigned char *renewed(void **snapshot, size_t size) {
-    void *memory = memory_more(size);
+    void *memory;
+    if (*snapshot && snapshot_bytes(*snapshot) == size)
+        return (unsigned char *)*snapshot;
+    memory = memory_more(size);
     if (memory) {
         memory_release(*snapshot);
         *snapshot = memory;
@@ -110,11 +122,15 @@ static int read_line(const unsigned char *p, size_t count, DelayLine *line) {
     return 1;
 }
 
-/* Tell whether bytes are a whole snapshot of this model; they may be foreign. */
-static int is_ours(const Component *c, const void *bytes, size_t size) {
+/* Tell whether bytes are a whole snapshot of this model; if they were written,
+   they may be foreign or damaged, and a damaged tick would never end. */
+static int is_ours(const Component *c, const void *bytes, size_t size, int written) {
     Head head, expected = head_of(c, size);
     if (size < size_fixed())
         return 0;
+    if (written)
+        expected.digest =
+            digest_of((const unsigned char *)bytes + sizeof(Head), size - sizeof(Head));
     memcpy(&head, bytes, sizeof head);
     if (memcmp(&head, &expected, sizeof head) != 0)
         return 0;
@@ -134,16 +150,10 @@ static int refuse_foreign(Component *c, const char *function) {
                                               : " for co-simulation");
 }
 
-static size_t snapshot_bytes(const void *snapshot) {
-    Head head;
-    memcpy(&head, snapshot, sizeof head);
-    return (size_t)head.size;
-}
-
 int snapshot_restore(Component *c, const char *function, const void *snapshot) {
     if (!component_may(c, function, ANY))
         return STATUS_ERROR;
-    if (!snapshot || !is_ours(c, snapshot, snapshot_bytes(snapshot)))
+    if (!snapshot || !is_ours(c, snapshot, snapshot_bytes(snapshot), 0))
         return refuse_foreign(c, function);
     const unsigned char *p = (const unsigned char *)snapshot, *next;
     const unsigned char *end = p + snapshot_bytes(snapshot);
@@ -191,7 +201,11 @@ int snapshot_write(Component *c, const char *function, const void *snapshot,
     if (!snapshot || !bytes || size != snapshot_bytes(snapshot))
         return component_refuse(c, "%s: the buffer must have the size of the state",
                                 function);
+    Head head;
     memcpy(bytes, snapshot, size);
+    memcpy(&head, snapshot, sizeof head);
+    head.digest = digest_of(bytes + sizeof head, size - sizeof head);
+    memcpy(bytes, &head, sizeof head);
     return STATUS_OK;
 }
 
@@ -199,11 +213,13 @@ int snapshot_read(Component *c, const char *function, const unsigned char *bytes
                   size_t size, void **snapshot) {
     if (!component_may(c, function, ANY))
         return STATUS_ERROR;
-    if (!bytes || !snapshot || !is_ours(c, bytes, size))
+    if (!bytes || !snapshot || !is_ours(c, bytes, size, 1))
         return refuse_foreign(c, function);
     unsigned char *copy = renewed(snapshot, size);
     if (!copy)
         return component_refuse(c, "%s: there is no memory for the state", function);
+    Head head = head_of(c, size);
     memcpy(copy, bytes, size);
+    memcpy(copy, &head, sizeof head);
     return STATUS_OK;
 }

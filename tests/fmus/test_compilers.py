@@ -27,7 +27,7 @@ VARIANTS = {
     "no heap": ["-DFEEDDRIVE_INSTANCES=3"],
     "prefixes": ["-DFMI2_FUNCTION_PREFIX=two_", "-DFMI3_FUNCTION_PREFIX=three_"],
 }
-REPRESENTATIVES = ("plants.xy_table", "controllers.double_lead")  # delay; libm's names
+REPRESENTATIVES = ("plants.xy_table.axis", "controllers.gantry.double_lead")  # delay; libm's names
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -61,7 +61,7 @@ def test_compilers_find_nothing_to_complain_about(compiler, model, tmp_path):
 @pytest.mark.parametrize("compiler", ["gcc", "g++"])
 def test_files_can_be_compiled_one_by_one(compiler, tmp_path):
     needed(compiler)
-    write("plants.xy_table", tmp_path)
+    write("plants.xy_table.axis", tmp_path)
     files = {file.name: "" for file in tmp_path.iterdir()}
     for name in source_names(files):
         command = [*COMPILERS[compiler], "-c", name, "-o", "one.o"]
@@ -91,7 +91,7 @@ int main(void) {
 
 def test_a_pool_of_three_has_three_places_and_never_calls_the_heap(tmp_path):
     needed("gcc", "nm")
-    write("plants.xy_table", tmp_path)
+    write("plants.xy_table.axis", tmp_path)
     (tmp_path / "host.c").write_text(f'#include "{ALL}"\n{HOST}')
     flags = ["-DFEEDDRIVE_INSTANCES=3", "-fsanitize=undefined", "-g"]
     command = ["gcc", "-std=c99", *flags, "host.c", "-o", "host", "-lm"]

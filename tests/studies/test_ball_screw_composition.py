@@ -19,10 +19,10 @@ from scipy.signal import lfilter
 from systems import part, system
 
 from fmus.build import build
+from orchestrator.master.simulate import simulate
 from orchestrator.outcome import Run
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
-from orchestrator.simulate import simulate
 
 STUDY = "ball_screw_pole_placement"
 T = 1 / 20_000
@@ -120,6 +120,49 @@ def monolith(n: int, latency: int) -> Array:
     return x_2
 
 
+def p_pi_monolith(n: int, every: int) -> Array:
+    """Return the table's angle x_2 of the 500 mm/s move under P-PI, set A.
+
+    The position loop runs at each ``every``-th sample (fig. 3.9, eq. 3.25); what the
+    controller computes acts one sample later.
+    """
+    K_px, K_pv, K_iv = 189.0, 0.91, 119.0
+    x_r = command(n, 0.5)
+    v_r = np.diff(x_r, prepend=0) / T
+    u_ff = (m_1 + m_2) * np.diff(v_r, prepend=0) / T + b_1 * v_r
+    b, a = filter_pack()
+    A, B = plant()
+    z, x_2, u = np.zeros(4), np.zeros(n), np.zeros(n + 1)
+    memory = np.zeros(len(a) - 1)
+    v_c = before = integral = 0.0
+    for i in range(n):
+        x_2[i] = z[1]
+        if i % every == 0:
+            v_c = K_px * (x_r[i] - z[1])
+        v_e = v_c + v_r[i] - (z[0] - before) / T
+        before = z[0]
+        integral += T * v_e
+        v = K_pv * v_e + K_iv * integral
+        y = b[0] * v + memory[0]
+        memory = np.append(memory[1:], 0.0) + b[1:] * v - a[1:] * y
+        z = A @ z + B * u[i]
+        u[i + 1] = y + u_ff[i]
+    return x_2
+
+
+@pytest.mark.parametrize(
+    ("every", "peak", "rms"), [(1, 4.774, 1.342), (5, 4.822, 1.347)]
+)
+def test_a_slower_position_loop_holds_no_feed_forward_back(
+    every: int, peak: float, rms: float, tmp_path: Path
+) -> None:
+    split = simulated("p_pi_split_track_500", tmp_path, f"position.step={every}/20000")
+    x_2 = p_pi_monolith(15013, every)
+    assert np.max(np.abs(split["plant.x_2"].values - x_2)) < 1e-9
+    assert split.metrics["tracking.peak"].value == pytest.approx(peak, abs=0.005)
+    assert split.metrics["tracking.rms"].value == pytest.approx(rms, abs=0.005)
+
+
 def simulated(scenario: str, folder: Path, *overrides: str) -> Run:
     return run(load_scenario(f"{STUDY}/{scenario}", overrides), folder, report=False)
 
@@ -143,7 +186,7 @@ def test_the_composite_in_a_foreign_jacobi_master_has_latency_one(
     ours = simulated("mc_ppc_track_1000", tmp_path / "ours")
     controller, drive = (
         opened(build(module), tmp_path / module)
-        for module in ("controllers.mc_ppc", "plants.ball_screw")
+        for module in ("controllers.ball_screw.mc_ppc", "plants.ball_screw.two_mass")
     )
     design = ours.composition.designs["gains"].values
     names, values = list(design), [float(design[name]) for name in design]  # type: ignore[arg-type]
@@ -197,7 +240,7 @@ def test_a_current_loop_split_from_the_plant_converges_with_first_order(
     step = {"u": 1.0}
     on = {"current_loop.on": True}
     whole = part(
-        "plant", "plants.ball_screw_drive", "1/1000", start=step, parameters=on
+        "plant", "plants.ball_screw.drive", "1/1000", start=step, parameters=on
     )
     row = {"plant.x_2": "1/1000"}
     exact = simulate(system("1/50", [whole], record=row), tmp_path)["plant.x_2"].values
@@ -205,8 +248,8 @@ def test_a_current_loop_split_from_the_plant_converges_with_first_order(
     for us in (4, 2, 1):
         every = f"{us}/1000000"
         parts = [
-            part("current", "plants.current_loop", every, start=step),
-            part("plant", "plants.ball_screw", every),
+            part("current", "plants.ball_screw.current_loop", every, start=step),
+            part("plant", "plants.ball_screw.two_mass", every),
         ]
         wires = {"plant.u": "current.u_a"}
         split = simulate(system("1/50", parts, wires, row), tmp_path)
@@ -224,7 +267,8 @@ def test_the_split_current_loop_costs_what_the_design_says(tmp_path: Path) -> No
     split.write_text(
         'base = "mc_ppc_sensitivity_165.toml"\n'
         '[components.plant.parameters]\n"current_loop.on" = false\n'
-        '[components.current]\nfmu = "plants.current_loop"\nstep = "control"\n'
+        '[components.current]\nfmu = "plants.ball_screw.current_loop"\n'
+        'step = "control"\n'
         '[connections]\n"current.u" = "controller.u"\n"plant.u" = "current.u_a"\n'
     )
     result = run(load_scenario(split), tmp_path / "run", report=False)
