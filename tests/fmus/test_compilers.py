@@ -27,7 +27,8 @@ VARIANTS = {
     "no heap": ["-DFEEDDRIVE_INSTANCES=3"],
     "prefixes": ["-DFMI2_FUNCTION_PREFIX=two_", "-DFMI3_FUNCTION_PREFIX=three_"],
 }
-REPRESENTATIVES = ("plants.xy_table.axis", "controllers.gantry.double_lead")  # delay; libm's names
+# one with dead time, one with functions that C libraries name alike
+REPRESENTATIVES = ("plants.xy_table.axis", "controllers.gantry.double_lead")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
