@@ -86,6 +86,12 @@ class Recorder:
                 raise _full(table.path.with_suffix(".parquet"), error) from None
 
 
+def _about(column: Column) -> dict[str, str]:
+    """Return a column's metadata: its unit, and the instants it is published at."""
+    published = column.published
+    return {"unit": column.unit} | ({"published": str(published)} if published else {})
+
+
 class Table:
     """Rows of one period: ``time`` (s, CHUNK) and ``values`` (columns, CHUNK).
 
@@ -100,9 +106,7 @@ class Table:
 
         self.path = path
         fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
-        fields += [
-            pa.field(c.name, pa.float64(), metadata={"unit": c.unit}) for c in columns
-        ]
+        fields += [pa.field(c.name, pa.float64(), metadata=_about(c)) for c in columns]
         self._pa, self._schema = pa, pa.schema(fields)
         self._file = path.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)

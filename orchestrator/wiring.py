@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.instants import Instants
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
@@ -87,12 +88,16 @@ class Faulty:
 
 @dataclass(frozen=True)
 class Column:
-    """A recorded number: its name and unit, and where it stands."""
+    """A recorded number: its name and unit, where it stands, when it is published.
+
+    ``published`` is None for what does not change.
+    """
 
     name: str
     unit: str
     index: int
     affine: Affine
+    published: Instants | None
 
 
 @dataclass(frozen=True)
@@ -129,8 +134,9 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     )
     tables: dict[Fraction, list[Column]] = {}
     for name, found in recorded.items():
-        columns = tables.setdefault(system.record[name], [])
-        columns.extend(layout.column(port) for port in found)
+        for period in system.record[name]:
+            columns = tables.setdefault(period, [])
+            columns.extend(layout.column(port) for port in found)
     return Wiring(
         system,
         parts,
@@ -315,6 +321,9 @@ class _Layout:
         self.inputs: dict[str, tuple[FmuVariable, ...]] = {}
         self.read: dict[str, tuple[FmuVariable, ...]] = {}
         sinks = [t for _, t, _ in links]
+        self.source_of = {
+            (t.component, t.variable.name, t.element): s.component for s, t, _ in links
+        }
         driven = {(t.component, t.variable.name) for t in sinks}
         asked = [p for found in recorded.values() for p in found]
         wanted = [s for s, _, _ in links]
@@ -383,7 +392,19 @@ class _Layout:
             index, affine = self.input_at[key], affine.inverse()
         else:
             index = self.read_at[key]
-        return Column(port.full_name, port.unit or "1", index + port.element, affine)
+        place, unit = index + port.element, port.unit or "1"
+        return Column(port.full_name, unit, place, affine, self._published(port))
+
+    def _published(self, port: Port) -> Instants | None:
+        """Return when a value changes: an input when its source is published."""
+        key = (port.component, port.variable.name, port.element)
+        changes = port.variable.causality != "input"
+        changes &= port.variable.variability not in ("constant", "fixed")
+        owner = self.source_of.get(key, port.component if changes else None)
+        if owner is None:
+            return None
+        component = self.system.components[owner]
+        return Instants(component.period, component.offset)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:

@@ -23,9 +23,10 @@ from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
+from orchestrator.rates import RateContext
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
-from orchestrator.scenario.schema import RateContext, Specification
+from orchestrator.scenario.schema import Specification
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
