@@ -17,10 +17,10 @@ stop = "0.1"
 [rates]
 slow = "1 kHz"
 [components.fast]
-fmu = "controllers.sine_reference"
+fmu = "controllers.references.sine"
 step = "20 kHz"
 [components.command]
-fmu = "controllers.sine_reference"
+fmu = "controllers.references.sine"
 step = "slow"
 [record]
 "fast.x_r" = ["20 kHz", "slow"]
