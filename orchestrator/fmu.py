@@ -19,6 +19,7 @@ from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.system import Kind
 
 Sort = Literal["real", "integer", "boolean", "string"]
+Dtype = Literal["float64", "int64", "uint64"]
 
 _TYPES = {
     2: {"Real", "Integer", "Boolean", "String", "Enumeration"},
@@ -31,6 +32,11 @@ _SORTS: dict[str, Sort] = {
     "Float32": "real",
     "Boolean": "boolean",
     "String": "string",
+}
+_WORDS: dict[str, Dtype] = {
+    "Int64": "int64",
+    "UInt64": "uint64",
+    "Enumeration": "int64",
 }
 
 
@@ -55,6 +61,7 @@ class FmuVariable:
     min: str | None
     max: str | None
     description: str
+    dtype: Dtype = "float64"  # by which its numbers lie in the master's vector
 
     @property
     def sort(self) -> Sort:
@@ -184,7 +191,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, md.unitDefinitions)
+            v.name: _variable(v, md.unitDefinitions, major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
@@ -243,7 +250,7 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _variable(v: Any, units: list[Any]) -> FmuVariable:
+def _variable(v: Any, units: list[Any], major: int) -> FmuVariable:
     type_ = v.declaredType
     unit = v.unit or (type_.unit if type_ is not None else None)
     definition = next((u.baseUnit for u in units if u.name == unit), None)
@@ -271,6 +278,7 @@ def _variable(v: Any, units: list[Any]) -> FmuVariable:
         min=v.min,
         max=v.max,
         description=v.description or "",
+        dtype=_WORDS.get(v.type, "float64") if major == 3 else "float64",
     )
 
 

@@ -10,23 +10,16 @@ parameters that are not numbers or cannot be set.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import groupby
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu import Dtype, FmuDescription, FmuVariable
+from orchestrator.places import Copy
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
-
-
-@dataclass(frozen=True)
-class Copy:
-    """vector[sink] = gain * vector[source] + offset."""
-
-    source: int
-    sink: int
-    affine: Affine
 
 
 @dataclass(frozen=True)
@@ -68,6 +61,16 @@ class Part:
         return sum(v.size for v in self.read)
 
     @property
+    def spans(self) -> tuple[tuple[int, int], ...]:
+        """First place and end, from ``raw`` on, of the doubles among what is read."""
+        spans, first = [], 0
+        for doubles, same in groupby(self.read, key=lambda v: v.dtype == "float64"):
+            end = first + sum(v.size for v in same)
+            spans += [(first, end)] if doubles else []
+            first = end
+        return tuple(spans)
+
+    @property
     def input_size(self) -> int:
         return sum(v.size for v in self.inputs)
 
@@ -81,6 +84,7 @@ class Faulty:
 
     edge: Edge
     place: int
+    dtype: Dtype
     affine: Affine
     faults: tuple[Fault, ...]
 
@@ -93,6 +97,7 @@ class Column:
     unit: str
     index: int
     affine: Affine
+    dtype: Dtype = "float64"
 
 
 @dataclass(frozen=True)
@@ -175,7 +180,8 @@ def _faulty(
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
             affine = Affine(port.gain, port.offset)
-            yield Faulty(edge, layout.input_at[key] + port.element, affine, faults)
+            place = layout.input_at[key] + port.element
+            yield Faulty(edge, place, port.variable.dtype, affine, faults)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
@@ -358,6 +364,9 @@ class _Layout:
                 self.read_at[name, s.variable.name] + s.element,
                 self.input_at[t.component, t.variable.name] + t.element,
                 affine,
+                s.variable.dtype,
+                t.variable.dtype,
+                f"{s.full_name} -> {t.full_name}",
             )
             for s, t, affine in self.links
             if s.component == name
@@ -383,7 +392,8 @@ class _Layout:
             index, affine = self.input_at[key], affine.inverse()
         else:
             index = self.read_at[key]
-        return Column(port.full_name, port.unit or "1", index + port.element, affine)
+        place, dtype = index + port.element, port.variable.dtype
+        return Column(port.full_name, port.unit or "1", place, affine, dtype)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:
