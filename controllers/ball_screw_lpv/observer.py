@@ -9,7 +9,7 @@ Source: Hanifzadegan 2014, eq. 4.14 and sec. 4.5.2 (Q); (4.15) lacks an inverse.
 """
 
 from fractions import Fraction
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -62,7 +62,7 @@ def step(
     x: State, u: Input, p: Parameters, T_s: float, d: Derived
 ) -> tuple[State, Output]:
     """Return the estimate of this sample (direct form II transposed)."""
-    u_0 = np.where(x.started > 0, x.u_0, u.u_c)
+    u_0: Any = np.where(x.started > 0, x.u_0, u.u_c)
     moved = u.u_c - u_0
     q, g = d.q, d.motion
     y = (g.b_0 * moved - u.v_m) / q.b_0 + x.w_1
