@@ -22,8 +22,8 @@ from pydantic import (
 )
 
 from orchestrator.errors import did_you_mean
+from orchestrator.evaluation.rates import named_period
 from orchestrator.quantity import parse_time
-from orchestrator.rates import named_period
 
 Factor: TypeAlias = float | str
 

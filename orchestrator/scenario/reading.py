@@ -22,8 +22,8 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.evaluation.rates import RateContext
 from orchestrator.quantity import DecimalFloat
-from orchestrator.rates import RateContext
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
