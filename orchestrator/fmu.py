@@ -6,17 +6,20 @@ FMU's own definitions.
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import Any, Literal, cast
 
+from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.archive import checked_members, read_member
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.system import Kind
+from orchestrator.unit import Unit, unit_of_fmu
 
 Sort = Literal["real", "integer", "boolean", "string"]
 
@@ -38,8 +41,8 @@ _SORTS: dict[str, Sort] = {
 class FmuVariable:
     """One variable; ``references`` has one entry per FMI 2 scalar or FMI 3 array.
 
-    ``size`` counts its numbers; ``unit`` is the FMU's own name for the unit,
-    ``base_unit`` its definition (None where the FMU gives none).
+    ``size`` counts its numbers; ``unit`` is the FMU's own, ``base_unit`` its
+    definition as written (None where the FMU gives none).
     """
 
     name: str
@@ -49,7 +52,7 @@ class FmuVariable:
     causality: str
     variability: str
     initial: str | None
-    unit: str | None
+    unit: Unit | None
     base_unit: BaseUnit | None
     start: str | None
     min: str | None
@@ -76,7 +79,8 @@ class FmuDescription:
     while stepping, ``initial_dependencies`` in initialisation; None means all.
     ``internal_step`` (s) is what communication steps should be a multiple of.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
-    reference of the input clock with that period, if it has one.
+    reference of the input clock with that period, if it has one.  ``units`` are the
+    definitions of all units it names.
     """
 
     path: Path
@@ -87,6 +91,7 @@ class FmuDescription:
     tool: str
     description: str
     variables: Mapping[str, FmuVariable]
+    units: Mapping[str, BaseUnit]
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
     variable_step: bool
@@ -175,6 +180,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
+    units = dict(_units(md.unitDefinitions))
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -184,10 +190,9 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, md.unitDefinitions)
-            for v in md.modelVariables
-            if v.type != "Clock"
+            v.name: _variable(v, units) for v in md.modelVariables if v.type != "Clock"
         },
+        units=units,
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
@@ -243,20 +248,26 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _variable(v: Any, units: list[Any]) -> FmuVariable:
+def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
+    """Yield every unit that is defined; a factor of zero defines nothing."""
+    for unit in definitions:
+        written = unit.baseUnit
+        if written is None:
+            continue
+        factor, offset = float(written.factor), float(written.offset)
+        if factor and isfinite(factor) and isfinite(offset):
+            exponents = {name: int(getattr(written, name) or 0) for name in BASE}
+            yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
+
+
+def _variable(v: Any, units: Mapping[str, BaseUnit]) -> FmuVariable:
     type_ = v.declaredType
-    unit = v.unit or (type_.unit if type_ is not None else None)
-    definition = next((u.baseUnit for u in units if u.name == unit), None)
-    base = None
-    if definition is not None:
-        exponents = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-        base = BaseUnit(
-            **{name: int(getattr(definition, name) or 0) for name in exponents},
-            factor=float(definition.factor),
-            offset=float(definition.offset),
-        )
-    elif unit == "1":
-        base = BaseUnit()
+    name = v.unit or (type_.unit if type_ is not None else None)
+    base = units.get(name, BaseUnit() if name == "1" else None)
+    relative = v.relativeQuantity  # None where only the type says
+    if relative is None and type_ is not None:
+        relative = type_.relativeQuantity
+    unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
     return FmuVariable(
         name=v.name,
         fmi_type=v.type,

@@ -101,7 +101,7 @@ class Table:
         self.path = path
         fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
         fields += [
-            pa.field(c.name, pa.float64(), metadata={"unit": c.unit}) for c in columns
+            pa.field(c.name, pa.float64(), metadata=c.unit.metadata()) for c in columns
         ]
         self._pa, self._schema = pa, pa.schema(fields)
         self._file = path.open("wb")

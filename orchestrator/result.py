@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.profile import Profile
+from orchestrator.unit import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,7 +74,7 @@ class Result(Mapping[str, Signal]):
                 f"{name} was not recorded; {did_you_mean(name, self._columns)}"
             ) from None
         table = _read(file, ["time", name])
-        unit = table.schema.field(name).metadata[b"unit"].decode()
+        unit = Unit.from_metadata(table.schema.field(name).metadata)
         return Signal(name, _numbers(table["time"]), _numbers(table[name]), unit)
 
     def __contains__(self, name: object) -> bool:

@@ -16,6 +16,7 @@ from orchestrator.fmu import FmuDescription, FmuVariable
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
+from orchestrator.unit import Unit, unit_of
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
 
@@ -90,14 +91,17 @@ class Column:
     """A recorded number: its name and unit, and where it stands."""
 
     name: str
-    unit: str
+    unit: Unit
     index: int
     affine: Affine
 
 
 @dataclass(frozen=True)
 class Wiring:
-    """A system ready to be scheduled; ``tables`` groups the columns by row period."""
+    """A system ready to be scheduled; ``tables`` groups the columns by row period.
+
+    ``warnings`` are what of it is a guess, ``notes`` what is only worth knowing.
+    """
 
     system: System
     parts: Mapping[str, Part]
@@ -105,6 +109,7 @@ class Wiring:
     tables: Mapping[Fraction, tuple[Column, ...]]
     size: int
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]
     faulty: tuple[Faulty, ...] = ()
 
 
@@ -116,11 +121,14 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     """
     for name, component in system.components.items():
         _check_component(system, component, fmus[name])
-    links, notes = _links(system, fmus)
+    links, notes, warnings = _links(system, fmus)
     recorded = {
         name: _ports_of(system, fmus, name, f"record.{name!r}")
         for name in system.record
     }
+    warnings += [
+        d for found in recorded.values() for port in found for d in port.doubts
+    ]
     layout = _Layout(system, fmus, links, recorded)
     parts = {name: layout.part(name) for name in system.components}
     edges = tuple(
@@ -138,6 +146,7 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         {period: tuple(columns) for period, columns in tables.items()},
         layout.size,
         tuple(notes),
+        tuple(dict.fromkeys(warnings)),
         tuple(_faulty(system, fmus, layout)),
     )
 
@@ -174,8 +183,8 @@ def _faulty(
                     f"{where}: {port.full_name} is {port.variable.sort}, which has no "
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
-            affine = Affine(port.gain, port.offset)
-            yield Faulty(edge, layout.input_at[key] + port.element, affine, faults)
+            place = layout.input_at[key] + port.element
+            yield Faulty(edge, place, port.to_theirs, faults)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
@@ -238,9 +247,10 @@ Link = tuple[Port, Port, Affine]
 
 def _links(
     system: System, fmus: Mapping[str, FmuDescription]
-) -> tuple[list[Link], list[str]]:
+) -> tuple[list[Link], list[str], list[str]]:
     links: list[Link] = []
     notes: list[str] = []
+    warnings: list[str] = []
     driven: dict[tuple[str, str, int], str] = {}
     for sink, source in system.connections.items():
         where = f"connections.{sink!r} = {source!r}"
@@ -260,10 +270,11 @@ def _links(
                     f"remove one of the two"
                 )
             driven[key] = origin.full_name
-            affine, note = connection(origin, target)
+            affine, note, doubts = connection(origin, target)
             links.append((origin, target, affine))
             notes.extend([note] if note else [])
-    return links, notes
+            warnings.extend(doubts)
+    return links, notes, warnings
 
 
 def _pairs(
@@ -378,12 +389,9 @@ class _Layout:
 
     def column(self, port: Port) -> Column:
         key = (port.component, port.variable.name)
-        affine = Affine(port.gain, port.offset)
-        if key in self.input_at:
-            index, affine = self.input_at[key], affine.inverse()
-        else:
-            index = self.read_at[key]
-        return Column(port.full_name, port.unit or "1", index + port.element, affine)
+        index = self.input_at[key] if key in self.input_at else self.read_at[key]
+        unit = port.unit or unit_of("1")
+        return Column(port.full_name, unit, index + port.element, port.to_ours)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:

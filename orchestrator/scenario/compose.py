@@ -68,7 +68,7 @@ class Composition:
         actual, nominal = self._values
         return (actual if actual.has(name) else nominal).quantity(name)
 
-    def unit(self, name: str) -> str:
+    def unit(self, name: str) -> Unit:
         """Return the unit in which ``component.variable`` is recorded.
 
         Raises:
