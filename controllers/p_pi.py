@@ -1,7 +1,7 @@
 """P-PI cascade with feed-forward: the whole controller in one sample.
 
     x_r' = prefilter(x_r)                          all gains zero by default
-    v    = velocity_pi(K_px (x_r' - y_2) + D x_r', y_1)
+    v    = velocity_pi(K_px (x_r' - y_2), x_r', y_1)
     u    = G_fp v + (m_1 + m_2) D²x_r' + (b_1 + b_2) D x_r' + d(v_r) + u_d
 
 The parts are models of their own; here they run one after the other at the same
@@ -27,7 +27,6 @@ from fmus.model import Sampled, Var
 
 class State(NamedTuple):
     prefilter: pre_filter.State = pre_filter.State()
-    position: position_p.State = position_p.State()
     velocity: velocity_pi.State = velocity_pi.State()
     inversion: inertia_feedforward.State = inertia_feedforward.State()
     filters: filter_pack.State = filter_pack.State()
@@ -43,7 +42,7 @@ class Parameters(NamedTuple):
     K_px: Annotated[float, Var("1/s", "position gain")] = 189.0
     K_pv: Annotated[float, Var("V.s/rad", "velocity gain")] = 0.91
     K_iv: Annotated[float, Var("V/rad", "integral gain")] = 119.0
-    velocity_feedforward: Annotated[bool, Var("1", "add v_r to the command")] = True
+    velocity_feedforward: Annotated[bool, Var("1", "add D x_r to the command")] = True
     K_vel: Annotated[float, Var("s", "pre-filter gain on the velocity")] = 0.0
     K_acc: Annotated[float, Var("s2", "pre-filter gain on the acceleration")] = 0.0
     K_jerk: Annotated[float, Var("s3", "pre-filter gain on the jerk")] = 0.0
@@ -84,16 +83,16 @@ def step(
     x_pre, pre = pre_filter.step(
         x.prefilter, pre_filter.Input(u.x_r), of_prefilter(p), T_s, d.prefilter
     )
-    x_pos, pos = position_p.step(
-        x.position,
+    _, pos = position_p.step(
+        position_p.State(),
         position_p.Input(pre.x_f, u.y_2),
-        position_p.Parameters(p.K_px, p.velocity_feedforward),
+        position_p.Parameters(p.K_px),
         T_s,
     )
     x_vel, vel = velocity_pi.step(
         x.velocity,
-        velocity_pi.Input(pos.v_c, u.y_1),
-        velocity_pi.Parameters(p.K_pv, p.K_iv),
+        velocity_pi.Input(pos.v_c, pre.x_f, u.y_1),
+        velocity_pi.Parameters(p.K_pv, p.K_iv, p.velocity_feedforward),
         T_s,
     )
     x_inv, inv = inertia_feedforward.step(
@@ -112,7 +111,7 @@ def step(
         T_s,
         d.filters,
     )
-    x_next = State(x_pre, x_pos, x_vel, x_inv, x_fp)
+    x_next = State(x_pre, x_vel, x_inv, x_fp)
     return x_next, Output(control.u, inv.u_ff, pre.x_f)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from math import isfinite
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ class Executor:
 
     ``count`` says how many instants are done.
     """
+
+    name: Literal["kernel", "python"] = "python"
 
     def __init__(
         self,

@@ -9,7 +9,7 @@ report, write rows, and be interrupted.
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import addressof, c_void_p, sizeof
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,8 @@ _CODES |= {"advance": _CODES["step"], "tick": _CODES["step"]}
 
 class Kernel:
     """Runs a timetable on initialised instances; ``count`` instants are done."""
+
+    name: Literal["kernel", "python"] = "kernel"
 
     def __init__(
         self,

@@ -15,7 +15,8 @@ class Run(Result):
 
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
     ``diverged`` says which signal diverges and when, if one does;
-    ``composition`` is the system that ran, with its design results.
+    ``composition`` is the system that ran, with its design results; ``warnings``
+    are what its user has to know of it.
     """
 
     def __init__(
@@ -25,12 +26,14 @@ class Run(Result):
         metrics: Mapping[str, Quantity],
         checks: list[Check],
         diverged: str | None = None,
+        warnings: tuple[str, ...] = (),
     ) -> None:
         super().__init__(result.folder, result.timing)
         self.composition = composition
         self.metrics = metrics
         self.checks = checks
         self.diverged = diverged
+        self.warnings = warnings
 
     @property
     def scenario(self) -> Scenario:
@@ -46,6 +49,8 @@ class Run(Result):
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "diverged": self.diverged,
+            "warnings": list(self.warnings),
+            "executor": timing and timing.executor,
             "timing": timing
             and {
                 "wall_s": timing.wall_s,

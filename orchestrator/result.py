@@ -37,12 +37,14 @@ class Signal:
 class Timing:
     """How long a run took: ``wall_s`` in all, instants executed, seconds simulated.
 
-    ``profile`` says where the time went, if that was asked for.
+    ``executor`` is what carried them out; ``profile`` says where the time went, if
+    that was asked for.
     """
 
     wall_s: float
     instants: int
     simulated_s: float
+    executor: str
     profile: Profile | None = None
 
     @property

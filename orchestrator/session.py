@@ -27,6 +27,7 @@ from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
 from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.temporary import temporary_folder
+from orchestrator.warned import collecting
 
 if TYPE_CHECKING:
     from orchestrator.simulate import Choice
@@ -80,13 +81,14 @@ def execute(
     write_lock(composition, folder)
     spec = composition.scenario.spec
     try:
-        result = simulate(
-            composition.system,
-            folder,
-            progress=progress,
-            executor=executor,
-            profile=profile,
-        )
+        with collecting() as warnings:
+            result = simulate(
+                composition.system,
+                folder,
+                progress=progress,
+                executor=executor,
+                profile=profile,
+            )
     except SimulationError as error:
         begun = Result(folder) if (folder / "result").is_dir() else {}
         if told := divergence(spec.metrics, begun, composition.parameter):
@@ -95,7 +97,8 @@ def execute(
     figures = evaluate(spec.metrics, result, composition.parameter)
     diverged = divergence(spec.metrics, result, composition.parameter)
     checks = check(spec.expect, figures)
-    done = Run(result, composition, figures, checks, diverged)
+    noted = (*composition.warnings, *warnings)
+    done = Run(result, composition, figures, checks, diverged, noted)
     summary = json.dumps(done.summary(), indent=2) + "\n"
     (folder / "metrics.json").write_text(summary, encoding="utf-8")
     if report:

@@ -35,6 +35,7 @@ from orchestrator.recorder import Recorder, refuse_no_room
 from orchestrator.result import Result, Timing
 from orchestrator.system import Isolation, System
 from orchestrator.timetable import Timetable
+from orchestrator.warned import warn
 from orchestrator.wiring import Wiring, wire
 
 LOG = logging.getLogger("feeddrive")
@@ -49,6 +50,7 @@ Choice: TypeAlias = Literal["kernel", "python"]
 class Engine(Protocol):
     """Carries out a timetable: yields instants reached, counts those done."""
 
+    name: Choice
     count: int
 
     def run(self) -> Iterator[int]: ...
@@ -144,7 +146,7 @@ def _engine(
             why = f"the kernel cannot be compiled: {error}"
         if executor == "kernel":
             raise SimulationError(f"executor kernel: {why}; leave the choice open")
-        LOG.warning("%s; the Python executor is used, which is slower", why)
+        warn(f"{why}; the Python executor is used, which is slower")
     rows = {name: table.row for name, table in recorder.tables.items()}
     return Executor(timetable, instances, vector, rows, profiled=profiled)
 
@@ -214,4 +216,4 @@ def _execute(
     stop = timetable.wiring.system.stop
     if progress:
         progress(stop)
-    return Timing(perf_counter() - begun, engine.count, float(stop))
+    return Timing(perf_counter() - begun, engine.count, float(stop), engine.name)

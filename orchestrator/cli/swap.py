@@ -121,7 +121,8 @@ def _titled(run: "Run", title: str) -> "Run":
     spec = run.scenario.spec.model_copy(update={"title": title})
     scenario = replace(run.scenario, spec=spec)
     composition = replace(run.composition, scenario=scenario)
-    return Run(run, composition, run.metrics, run.checks, run.diverged)
+    told = run.metrics, run.checks, run.diverged, run.warnings
+    return Run(run, composition, *told)
 
 
 def print_swap(first: "Run", second: "Run") -> None:

@@ -2,7 +2,9 @@
 
 ``step`` integrates from t to t + h with CVODE (BDF, relative tolerance
 ``TOLERANCE``, absolute that times the nominals), handling state, time and step
-events where they occur.  Between steps the FMU is in event mode: what the master
+events where they occur.  An event indicator z changes its domain between z > 0 and
+z <= 0 (FMI); to CVODE, which looks for changes of sign, a zero is shown as negative.
+Between steps the FMU is in event mode: what the master
 sets there is an event of its inputs, what it gets are values after the events at
 t + h.  The integrator starts afresh where inputs or states jumped, and never
 looks beyond the next time event or t + h, as inputs may jump there.
@@ -30,6 +32,7 @@ from orchestrator.instances.instance import LocalInstance, LogMessage
 TOLERANCE = 1e-10
 ITERATIONS = 1000  # of one event
 CLOSE = 1e-13  # relative; two times that are the same to an integrator
+BELOW_ZERO = -np.finfo(float).tiny
 _ONE_STEP, _ROOT = 2, 2  # CV_ONE_STEP, CV_ROOT_RETURN
 _FAILED = 3  # fmi2Error
 
@@ -240,6 +243,8 @@ class _Solver(CVodeSolver):  # type: ignore[misc]  # fmpy is not typed
         if not self.discrete:
             self.set_x(NV_DATA_S(y), self.nx)
         self.get_z(gout, self.nz)
+        z = np.ctypeslib.as_array(gout, (self.nz,))
+        z[z == 0] = BELOW_ZERO
 
     def _guarded(self, function: Callable[..., None], *arguments: Any) -> int:
         """Return what CVODE wants: 0, or -1 after an exception, which is kept."""

@@ -53,6 +53,12 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
             for run, name in zip(runs, names_of(runs), strict=True)
             if run.diverged
         ),
+        *(
+            f"<p class=warning>{escape(f'{name}: ' if len(runs) > 1 else '')}"
+            f"{escape(text)}</p>"
+            for run, name in zip(runs, names_of(runs), strict=True)
+            for text in run.warnings
+        ),
         "<h2>Figures</h2>",
         _metrics(runs),
         "<h2>Signals</h2>",
@@ -202,6 +208,7 @@ th, td { text-align: left; vertical-align: top; padding: 4px 20px 4px 0;
 th { color: #565d66; font-weight: 600; }
 code { font: 13px ui-monospace, monospace; }
 .good { color: #2e8b57; } .bad { color: #d1495b; }
+.warning { border-left: 3px solid #e09f3e; padding-left: 12px; max-width: 90ch; }
 </style></head><body>
 {body}
 </body></html>

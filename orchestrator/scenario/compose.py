@@ -6,7 +6,6 @@ Values of a variable take precedence in the order FMU < design < scenario <
 scenario asks for; a sampled one with the component's ``step`` as sample time.
 """
 
-import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -36,8 +35,8 @@ from orchestrator.system import (
     Fault,
     System,
 )
+from orchestrator.warned import collecting, warn
 
-LOG = logging.getLogger("feeddrive")
 RunEarlier: TypeAlias = Callable[[str], Result]
 
 
@@ -46,7 +45,8 @@ class Composition:
     """A system ready to be simulated, and where its parts and values come from.
 
     ``sources`` says what each FMU was made of: a module, a model file or an
-    ``.fmu``; ``digests`` are SHA-256 of the FMU files.
+    ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
+    user has to know of it.
     """
 
     scenario: Scenario
@@ -56,6 +56,7 @@ class Composition:
     digests: Mapping[str, str]
     designs: Mapping[str, DesignResult]
     _values: tuple[Values, Values]
+    warnings: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Quantity:
         """Return the value and unit of a scalar ``component.parameter``.
@@ -85,6 +86,12 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     Raises:
         ScenarioError, DesignError, FmuError, WiringError, fmus.build.BuildError.
     """
+    with collecting() as warnings:
+        found = _compose(scenario, earlier)
+    return replace(found, warnings=tuple(warnings))
+
+
+def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     spec = scenario.spec
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
     fmus = {name: read_fmu(found.path) for name, found in located.items()}
@@ -114,7 +121,7 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
     )
     for note in without_effect(system, fmus):
-        LOG.warning(note)
+        warn(note)
     sources = {name: found.source for name, found in located.items()}
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     return Composition(

@@ -92,7 +92,8 @@ def test_p_pi_is_its_parts() -> None:
     whole = Part(p_pi.model, **shared)
     for s in signals():
         x_f = pre(x_r=s["x_r"]).x_f
-        v = velocity(v_c=position(x_r=x_f, y_2=s["y_2"]).v_c, y_1=s["y_1"]).v
+        v_c = position(x_r=x_f, y_2=s["y_2"]).v_c
+        v = velocity(v_c=v_c, x_r=x_f, y_1=s["y_1"]).v
         u_ff = inversion(x_r=x_f).u_ff
         u_f = friction(v_r=s["v_r"]).u_f + s["u_d"]
         assert whole(**s) == (filters(v=v, u_ff=u_ff, u_f=u_f).u, u_ff, x_f)

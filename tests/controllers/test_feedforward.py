@@ -177,18 +177,18 @@ def test_state_feedback_weighs_errors_their_differences_and_the_sum() -> None:
 
 
 def test_cascade_adds_the_command_velocity_and_sums_after_it() -> None:
-    x, y = position_p.step(
-        position_p.State(1.0),
+    _, y = position_p.step(
+        position_p.State(),
         position_p.Input(1.2, 0.9),
         position_p.Parameters(10),
         0.1,
     )
-    assert (x.x_r, y.v_c) == pytest.approx((1.2, 10 * 0.3 + 2.0))
+    assert y.v_c == pytest.approx(10 * 0.3)
     p = velocity_pi.Parameters(K_pv=2.0, K_iv=3.0)
     v_x, v_y = velocity_pi.step(
-        velocity_pi.State(0.5, 0.25), velocity_pi.Input(y.v_c, 0.6), p, 0.1
+        velocity_pi.State(1.0, 0.5, 0.25), velocity_pi.Input(y.v_c, 1.2, 0.6), p, 0.1
     )
-    assert v_x == pytest.approx((0.6, 0.25 + 0.1 * 4))
+    assert v_x == pytest.approx((1.2, 0.6, 0.25 + 0.1 * 4))
     assert v_y.v == pytest.approx(2 * 4 + 3 * 0.65)
 
 

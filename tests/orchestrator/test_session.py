@@ -101,11 +101,23 @@ def test_a_run_gives_signals_figures_checks_and_a_folder(drive, tmp_path):
     written = json.loads((tmp_path / "out/metrics.json").read_text())
     assert written == done.summary()
     keys = {"scenario", "stop", "metrics", "diverged", "timing", "result"}
-    assert set(written) == keys
+    assert set(written) == keys | {"warnings", "executor"}
+    assert (written["warnings"], written["executor"]) == ([], "kernel")
     assert written["diverged"] is None
     page = (tmp_path / "out/report.html").read_text()
     assert "Short move" in page
     assert "http://" not in page.partition("<body>")[0]
+
+
+def test_what_is_warned_of_stands_in_json_and_report(drive, tmp_path, caplog):
+    scenario = load_scenario(drive, ["controller.latency=500"])
+    done = run(scenario, tmp_path / "out")
+    said = "nothing that controller computes is published before the run ends"
+    assert [said in text for text in done.warnings] == [True]
+    assert caplog.text.count(said) == 1
+    written = json.loads((tmp_path / "out/metrics.json").read_text())
+    assert written["warnings"] == list(done.warnings)
+    assert said in (tmp_path / "out/report.html").read_text()
 
 
 def test_the_lock_file_gives_the_same_run_again(drive, tmp_path):
