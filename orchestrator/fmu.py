@@ -181,6 +181,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
     units = dict(_units(md.unitDefinitions))
+    relative = _relative(root)
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -190,7 +191,9 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, units) for v in md.modelVariables if v.type != "Clock"
+            v.name: _variable(v, units, relative.get(v.name))
+            for v in md.modelVariables
+            if v.type != "Clock"
         },
         units=units,
         dependencies=_dependencies(md.outputs, names),
@@ -260,11 +263,26 @@ def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
             yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
 
 
-def _variable(v: Any, units: Mapping[str, BaseUnit]) -> FmuVariable:
+def _relative(root: Any) -> dict[str, bool]:
+    """Return what variables say of relativeQuantity (fmpy 0.3.32 never finds it)."""
+    found = {}
+    for variable in root.iterfind("ModelVariables/*"):
+        for element in (variable, *variable.iterchildren("Real")):
+            if written := element.get("relativeQuantity"):
+                found[variable.get("name")] = written in ("true", "1")
+    return found
+
+
+def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
+    return units.get(name or "") or (BaseUnit() if name == "1" else None)
+
+
+def _variable(
+    v: Any, units: Mapping[str, BaseUnit], relative: bool | None
+) -> FmuVariable:
     type_ = v.declaredType
-    name = v.unit or (type_.unit if type_ is not None else None)
-    base = units.get(name, BaseUnit() if name == "1" else None)
-    relative = v.relativeQuantity  # None where only the type says
+    name: str | None = v.unit or (type_.unit if type_ is not None else None)
+    base = _definition(name, units)
     if relative is None and type_ is not None:
         relative = type_.relativeQuantity
     unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None

@@ -211,7 +211,8 @@ def connection(source: Port, sink: Port) -> Passage:
     """
     ends = f"{source.full_name} -> {sink.full_name}"
     _check_types(source, sink, ends)
-    converted, note, doubts = Affine(), None, ()
+    converted, note = Affine(), None
+    doubts: tuple[str, ...] = ()
     if source.unit is None or sink.unit is None:
         if source.unit or sink.unit:
             note = (

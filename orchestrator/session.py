@@ -20,7 +20,7 @@ from fmus.units import UnitError
 from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
-from orchestrator.evaluation.metrics import evaluate, refuse_unit
+from orchestrator.evaluation.metrics import evaluate, unit_doubts
 from orchestrator.outcome import Run
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
@@ -124,7 +124,7 @@ def refuse_metrics(composition: Composition) -> None:
                     f'"{signal}" = true to [record]'
                 )
         try:
-            refuse_unit(metric, composition.unit(metric.of), composition.parameter)
+            unit_doubts(metric, composition.unit, composition.parameter)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
 

@@ -138,8 +138,8 @@ def conversion(source: str, sink: str) -> Conversion:
         found = units.conversion(given.base, wanted.base, relative=relative)
     except TurnError:
         raise TurnError(
-            f"{told(given)} cannot become {told(wanted)}: one counts radians, the "
-            f"other does not, and a turn may be 1 or 2 pi of it"
+            f"{spelled(given)} cannot become {spelled(wanted)}: one counts radians, "
+            f"the other does not, and a turn may be 1 or 2 pi of it"
         ) from None
     except UnitError:
         raise UnitError(
@@ -153,7 +153,7 @@ def conversion(source: str, sink: str) -> Conversion:
     ]
     if found.ignored_rad:
         doubts.append(
-            f"{told(given)} becomes {told(wanted)} with the radian counted as 1"
+            f"{spelled(given)} becomes {spelled(wanted)} with the radian counted as 1"
         )
     differ = given.relative != wanted.relative
     if differ and given.base.offset != wanted.base.offset:
@@ -163,12 +163,19 @@ def conversion(source: str, sink: str) -> Conversion:
 
 
 def told(unit: Unit) -> str:
-    """Return a unit for messages, with its base units where the name hides them."""
+    """Return a unit for messages, with its base units where its name misleads."""
     if unit == "1":
         return "a pure number"
-    if unit.base is None or (spelled := _spelled_out(unit.base)) == unit:
-        return str(unit)
-    return f"{unit} ({spelled})"
+    try:
+        usual = base_unit(unit)
+    except UnitError:
+        usual = None
+    return str(unit) if unit.base in (usual, None) else spelled(unit)
+
+
+def spelled(unit: Unit) -> str:
+    """Return a unit with its base units."""
+    return f"{unit} ({_spelled_out(unit.base)})" if unit.base else str(unit)
 
 
 def _spelled_out(base: BaseUnit) -> str:

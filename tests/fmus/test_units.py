@@ -83,16 +83,16 @@ def test_a_temperature_has_an_offset():
 
 
 def test_an_ignored_radian_is_reported():
-    assert conversion(base_unit("rad/s"), base_unit("1/s")).ignored_rad
+    assert conversion(base_unit("N.m"), base_unit("N.m/rad")).ignored_rad
 
 
 def test_different_dimensions_are_refused():
-    with pytest.raises(UnitError, match=r"kg1.m1.s-2 is not m1"):
+    with pytest.raises(UnitError, match=r"kg.m.s-2 is not m"):
         conversion(base_unit("N"), base_unit("m"))
 
 
 @pytest.mark.parametrize(
-    "text", ["", "V.", "V..s", "(V", "V)", "V s", "dB", "bit", "degC.m", "degC2", "T_s"]
+    "text", ["", "V.", "V..s", "(V", "V)", "dB", "bit", "degC.m", "degC2", "T_s"]
 )
 def test_what_is_no_unit_is_refused(text):
     with pytest.raises(UnitError, match="unit"):
