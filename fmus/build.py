@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from fmus.cache import cache_folder
-from fmus.closure import files_digest, module_name
+from fmus.closure import data_files, files_digest, module_name
 from fmus.load import PACKAGE, BuildError, load_model, sources
 
 if TYPE_CHECKING:
@@ -143,7 +143,8 @@ def _key(files: Mapping[str, Path], kind: FmuKind, *options: Any) -> str:
         for file in PACKAGE.rglob("*")
         if file.suffix in (".py", ".c", ".h")
     }
-    text = f"{files_digest(files)} {files_digest(own)} {kind} {tools} {options}"
+    of_model = files_digest(files, data_files(files))
+    text = f"{of_model} {files_digest(own)} {kind} {tools} {options}"
     return sha256(text.encode()).hexdigest()[:16]
 
 

@@ -4,7 +4,8 @@ A model module is named by its dotted name or by the path of its file.  Its
 closure is the module, the packages it lies in, and everything these import
 from the same top-level package, from the folder of a model file, or from the
 packages of this distribution.  Imports made by other means than ``import``
-statements are not seen.
+statements are not seen.  Data files that these modules read by
+``fmus.data.read_data`` belong to the model as well.
 """
 
 import ast
@@ -12,13 +13,18 @@ import sys
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from importlib.machinery import PathFinder
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 OWN_PACKAGES = ("controllers", "fmus", "plants")
+READ_DATA = "read_data"  # the one function of fmus by which models read files
 
 
 class NoSuchModule(LookupError):
     """There is no such model module."""
+
+
+class DataUnclear(ValueError):
+    """Which data file a module reads cannot be told, or it is missing."""
 
 
 def module_name(module: str) -> str:
@@ -54,17 +60,38 @@ def closure(module: str) -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
+def data_files(files: Mapping[str, Path]) -> dict[str, Path]:
+    """Return the data files that modules read, by path as in an installed package.
+
+    Raises:
+        DataUnclear: which file is read is not written out, or it is not there.
+    """
+    found = {}
+    for name, file in files.items():
+        package = file.name == "__init__.py"
+        above = name.split(".") if package else name.split(".")[:-1]
+        for data in _data_names(file):
+            path = file.parent / data
+            if not path.is_file():
+                raise DataUnclear(f"{file} reads {data}, which is not beside it")
+            found["/".join([*above, data])] = path
+    return dict(sorted(found.items()))
+
+
 def digest(module: str) -> str:
-    """Return a fingerprint (hex) of the names and bytes of a model's sources."""
-    return files_digest(closure(module))
+    """Return a fingerprint (hex) of the names and bytes of all a model is made of."""
+    files = closure(module)
+    return files_digest(files, data_files(files))
 
 
-def files_digest(files: Mapping[str, Path]) -> str:
-    """Return a fingerprint (hex) of named files."""
+def files_digest(*groups: Mapping[str, Path]) -> str:
+    """Return a fingerprint (hex) of groups of named files."""
     whole = sha256()
-    for name, file in sorted(files.items()):
-        content = file.read_bytes()
-        whole.update(f"{name}\0{len(content)}\0".encode() + content)
+    for files in groups:
+        for name, file in sorted(files.items()):
+            content = file.read_bytes()
+            whole.update(f"{name}\0{len(content)}\0".encode() + content)
+        whole.update(b"\0")
     return whole.hexdigest()
 
 
@@ -127,3 +154,33 @@ def _imports(name: str, file: Path) -> Iterator[str]:
                 base = ".".join([*above, base] if base else above)
             yield base
             yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _data_names(file: Path) -> Iterator[str]:
+    """Yield the names of the files that a module reads by ``read_data``."""
+    for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
+        if not isinstance(node, ast.Call) or _called(node) != READ_DATA:
+            continue
+        match node:
+            case ast.Call(
+                args=[ast.Name(id="__file__"), ast.Constant(value=str(data))],
+                keywords=[],
+            ) if _below(data):
+                yield data
+            case _:
+                raise DataUnclear(
+                    f"{file}:{node.lineno}: write the file out, as in "
+                    f'{READ_DATA}(__file__, "table.json"), beside the module or below'
+                )
+
+
+def _called(node: ast.Call) -> str | None:
+    match node.func:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return name
+    return None
+
+
+def _below(data: str) -> bool:
+    path = PurePosixPath(data)
+    return bool(path.name) and not path.is_absolute() and ".." not in path.parts

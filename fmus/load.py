@@ -13,7 +13,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-from fmus.closure import NoSuchModule, closure, files_digest, is_file, module_name
+from fmus.closure import (
+    DataUnclear,
+    NoSuchModule,
+    closure,
+    data_files,
+    files_digest,
+    is_file,
+    module_name,
+)
 from fmus.model import Continuous, Model, Sampled
 
 PACKAGE = Path(__file__).parent
@@ -24,8 +32,10 @@ MEANT = {
     "np.logical_and and np.logical_or for and and or",
     "iterate over m.nz": "an array of signals cannot be unpacked or looped over: "
     "index it, as in x[0], or use NumPy on the whole",
+    "x.size2()==y.size1()": "these arrays of signals do not fit: write np.dot(c, x) "
+    "for a row times a column, A @ x for a matrix of shape (n, m) times (m,)",
 }
-_loaded: dict[str, str] = {}  # fingerprint of the file each module was loaded from
+_loaded: dict[str, str] = {}  # fingerprint of what each module was loaded from
 
 
 class BuildError(Exception):
@@ -36,10 +46,12 @@ def sources(module: str) -> dict[str, Path]:
     """Return the files a model module is made of, by module name.
 
     Raises:
-        BuildError: there is no such module, or a file is no Python.
+        BuildError: there is no such module, a file is no Python, or which data it
+            reads is unclear.
     """
     try:
-        return closure(module)
+        files = closure(module)
+        data_files(files)
     except NoSuchModule as error:
         if is_file(module):
             raise BuildError("no such file") from None
@@ -49,6 +61,9 @@ def sources(module: str) -> dict[str, Path]:
         ) from None
     except SyntaxError as error:
         raise BuildError(f"{error.filename}:{error.lineno}: {error.msg}") from None
+    except DataUnclear as error:
+        raise BuildError(str(error)) from None
+    return files
 
 
 def load_model(module: str) -> Model:
@@ -76,7 +91,7 @@ def load_module(module: str) -> ModuleType:
     if is_file(module) and name in sys.stdlib_module_names:
         raise BuildError(f"{module} has the name of a module of Python: rename it")
     _forget_stale(files)
-    with _importable(Path(module).resolve().parent if is_file(module) else None):
+    with importable(Path(module).resolve().parent if is_file(module) else None):
         try:
             imported = importlib.import_module(name)
         except Exception as error:
@@ -98,13 +113,18 @@ def blame(error: Exception, files: Mapping[str, Path], what: str) -> str:
     return f"{what}: {line.filename}:{line.lineno}: {line.line}: {reason}"
 
 
-def _forget_stale(files: Mapping[str, Path]) -> None:
-    """Drop the modules of a closure if one was loaded from other bytes."""
-    own = {
+def own_files(files: Mapping[str, Path]) -> dict[str, Path]:
+    """Return those of a closure that are neither ``fmus`` nor Python's."""
+    return {
         n: f
         for n, f in files.items()
         if PACKAGE not in f.parents and n not in sys.stdlib_module_names
     }
+
+
+def _forget_stale(files: Mapping[str, Path]) -> None:
+    """Drop the modules of a closure if one was loaded from other bytes."""
+    own = own_files(files)
     if any(_stale(name, file) for name, file in own.items()):
         for name in own:
             sys.modules.pop(name, None)
@@ -121,11 +141,11 @@ def _stale(name: str, file: Path) -> bool:
 
 
 def _fingerprint(file: Path) -> str:
-    return files_digest({"": file})
+    return files_digest({"": file}, data_files({"": file}))
 
 
 @contextmanager
-def _importable(folder: Path | None) -> Iterator[None]:
+def importable(folder: Path | None) -> Iterator[None]:
     """Put a folder on the path; leave no bytecode that hides a quick edit."""
     importlib.invalidate_caches()
     path, written = sys.path[:], sys.dont_write_bytecode

@@ -13,8 +13,9 @@ from uuid import UUID
 
 from lxml import etree
 
+from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
-from fmus.closure import OWN_PACKAGES, is_file, module_name
+from fmus.closure import OWN_PACKAGES, data_files, is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -48,12 +49,17 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
             cannot be traced.
     """
     name, files = module_name(module), sources(module)
+    data = data_files(files)
+    refuse_hidden_files(module, files)
     model, loaded = load_model(module), load_module(module)
     model = _with_period(model, period)
     check_model(model)
     try:
-        traced = trace(model)
+        with watched(files, "traced"):
+            traced = trace(model)
         places = layout(model, traced.output_like)
+    except BuildError:
+        raise
     except Exception as error:
         what = f"{model.name} cannot be traced"
         raise BuildError(blame(error, files, what)) from error
@@ -65,6 +71,7 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
         places,
         name,
         loaded.__doc__ or "",
+        data={place: file.read_bytes() for place, file in data.items()},
         author=getattr(loaded, "__author__", OWN_COPYRIGHT if ours else None),
         copyright=getattr(
             loaded, "__copyright__", f"© {OWN_COPYRIGHT}" if ours else None
@@ -92,6 +99,7 @@ def native_contents(
     contents = _common(subject, fmi, token)
     for name, text in (generated | adapters).items():
         contents[f"sources/{name}"] = text.encode()
+    contents |= {f"sources/{place}": file for place, file in subject.data.items()}
     if fmi == 3:
         contents["sources/buildDescription.xml"] = _build_description(subject)
     return contents | _binaries(model.name, generated, fmi, platforms, cache)

@@ -15,7 +15,7 @@ from hashlib import sha256
 from importlib.metadata import distribution, version
 from pathlib import Path
 
-from fmus.closure import closure, files_digest, module_name
+from fmus.closure import closure, data_files, files_digest, module_name
 from fmus.compile import PLATFORMS, compile_alone
 from fmus.model import Model, Sampled
 from fmus.native_source import adapter_sources
@@ -107,9 +107,11 @@ def python_resources(module: str, model: Model) -> dict[str, bytes]:
         closure="{\n" + listed + "}",
         model=loaded,
     )
-    digest = sha256((files_digest(files) + script).encode()).hexdigest()[:12]
+    data = data_files(files)
+    digest = sha256((files_digest(files, data) + script).encode()).hexdigest()[:12]
     slave = f"{model.name}_{digest}"
     contents = {_place(n, f): f.read_bytes() for n, f in files.items()}
+    contents |= {place: f.read_bytes() for place, f in data.items()}
     contents |= {f"pythonfmu/{f.name}": f.read_bytes() for f in _pythonfmu_modules()}
     contents |= {f"{slave}.py": script.encode(), "slavemodule.txt": slave.encode()}
     return {f"resources/{path}": content for path, content in contents.items()}

@@ -1,6 +1,7 @@
 """What an FMU tells of a model, whatever the version of FMI."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -19,7 +20,8 @@ class Subject:
     """What an FMU is made of, as far as its description tells.
 
     ``text`` is the docstring of the module; ``sources`` are the C files to be
-    compiled, none for an FMU that runs Python.  ``author``, ``copyright`` and
+    compiled, none for an FMU that runs Python; ``data`` the content of the model's
+    data files by path.  ``author``, ``copyright`` and
     ``license`` may be None.
     """
 
@@ -29,6 +31,7 @@ class Subject:
     module: str
     text: str
     sources: tuple[str, ...] = ()
+    data: Mapping[str, bytes] = field(default_factory=dict)
     author: str | None = None
     copyright: str | None = None
     license: str | None = None

@@ -118,6 +118,15 @@ int component_may(Component *c, const char *function, int phases) {
     return 0;
 }
 
+int component_given(Component *c, const char *function, size_t n,
+                    const void *array) {
+    if (array || !n)
+        return 1;
+    component_refuse(c, "%s: an array of %lu elements was expected, NULL was given",
+                     function, (unsigned long)n);
+    return 0;
+}
+
 int component_set_logging(Component *c, const char *function, int on,
                           size_t n, const char *const categories[]) {
     static const char *const known[] = {"logAll", "logStatusError",

@@ -53,6 +53,9 @@ int component_refuse(Component *c, const char *format, ...);
 /* Tell whether function may be called now; log why not. */
 int component_may(Component *c, const char *function, int phases);
 
+/* Tell whether there is an array if it is to have elements; log that it is NULL. */
+int component_given(Component *c, const char *function, size_t n, const void *array);
+
 int component_set_logging(Component *c, const char *function, int on,
                           size_t n, const char *const categories[]);
 
@@ -91,7 +94,8 @@ const double *component_values(Component *c);
 int component_no_type(Component *c, const char *function, size_t n,
                       unsigned reference);
 
-/* Model exchange. */
+/* Model exchange; the states of a sampled model are none of its. */
+unsigned component_continuous_states(void);
 int component_set_states(Component *c, const char *function, const double *x,
                          size_t n);
 int component_get_block(Component *c, const char *function, unsigned first,

@@ -82,7 +82,9 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                        fmi2Real value[]) {
-    if (!component_may(c, "fmi2GetReal", ANY))
+    if (!component_may(c, "fmi2GetReal", ANY) ||
+        !component_given(c, "fmi2GetReal", nvr, vr) ||
+        !component_given(c, "fmi2GetReal", nvr, value))
         return fmi2Error;
     const double *values = component_values(c);
     for (size_t i = 0; i < nvr; i++) {
@@ -95,7 +97,9 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                        const fmi2Real value[]) {
-    if (!component_may(c, "fmi2SetReal", SOUND))
+    if (!component_may(c, "fmi2SetReal", SOUND) ||
+        !component_given(c, "fmi2SetReal", nvr, vr) ||
+        !component_given(c, "fmi2SetReal", nvr, value))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
         const Variable *v = component_find(c, "fmi2SetReal", vr[i], 0);
@@ -109,7 +113,9 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nv
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[],
                           size_t nvr, fmi2Boolean value[]) {
-    if (!component_may(c, "fmi2GetBoolean", ANY))
+    if (!component_may(c, "fmi2GetBoolean", ANY) ||
+        !component_given(c, "fmi2GetBoolean", nvr, vr) ||
+        !component_given(c, "fmi2GetBoolean", nvr, value))
         return fmi2Error;
     const double *values = component_values(c);
     for (size_t i = 0; i < nvr; i++) {
@@ -122,7 +128,9 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[],
                           size_t nvr, const fmi2Boolean value[]) {
-    if (!component_may(c, "fmi2SetBoolean", SOUND))
+    if (!component_may(c, "fmi2SetBoolean", SOUND) ||
+        !component_given(c, "fmi2SetBoolean", nvr, vr) ||
+        !component_given(c, "fmi2SetBoolean", nvr, value))
         return fmi2Error;
     for (size_t i = 0; i < nvr; i++) {
         const Variable *v = component_find(c, "fmi2SetBoolean", vr[i], 1);
@@ -138,6 +146,8 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 
 static fmi2Status no_type(fmi2Component c, const char *function,
                           const fmi2ValueReference vr[], size_t nvr) {
+    if (!component_may(c, function, ANY) || !component_given(c, function, nvr, vr))
+        return fmi2Error;
     return component_no_type(c, function, nvr, nvr ? vr[0] : 0);
 }
 

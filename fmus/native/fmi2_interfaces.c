@@ -55,7 +55,8 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s,
                              fmi2Real *value) {
     if (s != fmi2LastSuccessfulTime)
         return absent(c, "fmi2GetRealStatus of another kind than the last time");
-    if (!component_may(c, "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED))
+    if (!component_may(c, "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(c, "fmi2GetRealStatus", 1, value))
         return fmi2Error;
     *value = component_values(c)[feeddrive_model.size - 1];
     return fmi2OK;
@@ -70,7 +71,8 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s,
                                 fmi2Boolean *value) {
     if (s != fmi2Terminated)
         return absent(c, "fmi2GetBooleanStatus of another kind than terminated");
-    if (!component_may(c, "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED))
+    if (!component_may(c, "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(c, "fmi2GetBooleanStatus", 1, value))
         return fmi2Error;
     *value = fmi2False;
     return fmi2OK;
@@ -88,7 +90,8 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
-    if (!component_may(c, "fmi2NewDiscreteStates", EVENT))
+    if (!component_may(c, "fmi2NewDiscreteStates", EVENT) ||
+        !component_given(c, "fmi2NewDiscreteStates", 1, eventInfo))
         return fmi2Error;
     *eventInfo = (fmi2EventInfo){0};
     return fmi2OK;
@@ -102,7 +105,10 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c,
                                        fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode,
                                        fmi2Boolean *terminateSimulation) {
-    if (!component_may(c, "fmi2CompletedIntegratorStep", CONTINUOUS_TIME))
+    const char *function = "fmi2CompletedIntegratorStep";
+    if (!component_may(c, function, CONTINUOUS_TIME) ||
+        !component_given(c, function, 1, enterEventMode) ||
+        !component_given(c, function, 1, terminateSimulation))
         return fmi2Error;
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;

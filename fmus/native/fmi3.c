@@ -161,7 +161,10 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
                                        fmi3Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi3Boolean *enterEventMode,
                                        fmi3Boolean *terminateSimulation) {
-    if (!component_may(instance, "fmi3CompletedIntegratorStep", CONTINUOUS_TIME))
+    const char *function = "fmi3CompletedIntegratorStep";
+    if (!component_may(instance, function, CONTINUOUS_TIME) ||
+        !component_given(instance, function, 1, enterEventMode) ||
+        !component_given(instance, function, 1, terminateSimulation))
         return fmi3Error;
     *enterEventMode = *terminateSimulation = fmi3False;
     return fmi3OK;
@@ -203,15 +206,19 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance,
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance,
                                            size_t *nContinuousStates) {
-    if (!component_may(instance, "fmi3GetNumberOfContinuousStates", SOUND))
+    const char *function = "fmi3GetNumberOfContinuousStates";
+    if (!component_may(instance, function, SOUND) ||
+        !component_given(instance, function, 1, nContinuousStates))
         return fmi3Error;
-    *nContinuousStates = feeddrive_model.n_x;
+    *nContinuousStates = component_continuous_states();
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance,
                                           size_t *nEventIndicators) {
-    if (!component_may(instance, "fmi3GetNumberOfEventIndicators", SOUND))
+    const char *function = "fmi3GetNumberOfEventIndicators";
+    if (!component_may(instance, function, SOUND) ||
+        !component_given(instance, function, 1, nEventIndicators))
         return fmi3Error;
     *nEventIndicators = 0;
     return fmi3OK;

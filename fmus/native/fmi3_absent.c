@@ -12,6 +12,9 @@ static fmi3Status absent(fmi3Instance instance, const char *function) {
 
 static fmi3Status no_type(fmi3Instance instance, const char *function,
                           const fmi3ValueReference valueReferences[], size_t n) {
+    if (!component_may(instance, function, ANY) ||
+        !component_given(instance, function, n, valueReferences))
+        return fmi3Error;
     return component_no_type(instance, function, n, n ? valueReferences[0] : 0);
 }
 

@@ -11,9 +11,14 @@
 
 #define M feeddrive_model
 
+/* Tell whether the references are clocks, each with a place in two more arrays. */
 static int may(Component *c, const char *function, int phases,
-               const fmi3ValueReference references[], size_t n) {
-    if (!component_may(c, function, phases))
+               const fmi3ValueReference references[], size_t n, const void *one,
+               const void *other) {
+    if (!component_may(c, function, phases) ||
+        !component_given(c, function, n, references) ||
+        !component_given(c, function, n, one) ||
+        !component_given(c, function, n, other))
         return 0;
     for (size_t i = 0; i < n; i++) {
         if (!M.continuous && references[i] == M.size)
@@ -32,7 +37,8 @@ fmi3Status fmi3GetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, fmi3Clock values[]) {
     Component *c = instance;
-    if (!may(c, "fmi3GetClock", ANY, valueReferences, nValueReferences))
+    if (!may(c, "fmi3GetClock", ANY, valueReferences, nValueReferences, values,
+             values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
         values[i] = c->simulation.state->ticking != 0;
@@ -43,7 +49,8 @@ fmi3Status fmi3SetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, const fmi3Clock values[]) {
     Component *c = instance;
-    if (!may(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences))
+    if (!may(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences, values,
+             values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
         simulation_activate(&c->simulation, values[i]);
@@ -55,7 +62,7 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
                                   size_t nValueReferences, fmi3Float64 intervals[],
                                   fmi3IntervalQualifier qualifiers[]) {
     if (!may(instance, "fmi3GetIntervalDecimal", ANY, valueReferences,
-             nValueReferences))
+             nValueReferences, intervals, qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         intervals[i] = (double)M.period_num / (double)M.period_den;
@@ -70,7 +77,9 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
                                    fmi3UInt64 resolutions[],
                                    fmi3IntervalQualifier qualifiers[]) {
     if (!may(instance, "fmi3GetIntervalFraction", ANY, valueReferences,
-             nValueReferences))
+             nValueReferences, counters, resolutions) ||
+        !component_given(instance, "fmi3GetIntervalFraction", nValueReferences,
+                         qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         counters[i] = (fmi3UInt64)M.period_num;
@@ -83,7 +92,8 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
 fmi3Status fmi3GetShiftDecimal(fmi3Instance instance,
                                const fmi3ValueReference valueReferences[],
                                size_t nValueReferences, fmi3Float64 shifts[]) {
-    if (!may(instance, "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences))
+    if (!may(instance, "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences,
+             shifts, shifts))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
         shifts[i] = 0.0;
@@ -95,7 +105,7 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
                                 size_t nValueReferences, fmi3UInt64 counters[],
                                 fmi3UInt64 resolutions[]) {
     if (!may(instance, "fmi3GetShiftFraction", ANY, valueReferences,
-             nValueReferences))
+             nValueReferences, counters, resolutions))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         counters[i] = 0;
@@ -119,8 +129,16 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
                                     fmi3Boolean *valuesOfContinuousStatesChanged,
                                     fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime) {
+    const char *function = "fmi3UpdateDiscreteStates";
+    if (!component_may(instance, function, EVENT) ||
+        !component_given(instance, function, 1, discreteStatesNeedUpdate) ||
+        !component_given(instance, function, 1, terminateSimulation) ||
+        !component_given(instance, function, 1, nominalsOfContinuousStatesChanged) ||
+        !component_given(instance, function, 1, valuesOfContinuousStatesChanged) ||
+        !component_given(instance, function, 1, nextEventTimeDefined))
+        return fmi3Error;
     *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
     *nextEventTimeDefined = fmi3False;
-    return component_update(instance, "fmi3UpdateDiscreteStates");
+    return component_update(instance, function);
 }

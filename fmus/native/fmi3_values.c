@@ -40,7 +40,9 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance,
                           size_t nValueReferences, fmi3Float64 values[],
                           size_t nValues) {
     const char *function = "fmi3GetFloat64";
-    if (!component_may(instance, function, ANY))
+    if (!component_may(instance, function, ANY) ||
+        !component_given(instance, function, nValueReferences, valueReferences) ||
+        !component_given(instance, function, nValues, values))
         return fmi3Error;
     const double *from = component_values(instance);
     for (size_t i = 0; i < nValueReferences; i++) {
@@ -60,7 +62,9 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance,
                           size_t nValues) {
     const char *function = "fmi3SetFloat64";
     const fmi3Float64 *next = values;
-    if (!component_may(instance, function, SOUND))
+    if (!component_may(instance, function, SOUND) ||
+        !component_given(instance, function, nValueReferences, valueReferences) ||
+        !component_given(instance, function, nValues, values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         const Variable *v = whole(instance, function, valueReferences[i], 0, nValues);
@@ -84,7 +88,9 @@ fmi3Status fmi3GetBoolean(fmi3Instance instance,
                           size_t nValueReferences, fmi3Boolean values[],
                           size_t nValues) {
     const char *function = "fmi3GetBoolean";
-    if (!component_may(instance, function, ANY))
+    if (!component_may(instance, function, ANY) ||
+        !component_given(instance, function, nValueReferences, valueReferences) ||
+        !component_given(instance, function, nValues, values))
         return fmi3Error;
     const double *from = component_values(instance);
     for (size_t i = 0; i < nValueReferences; i++) {
@@ -103,7 +109,9 @@ fmi3Status fmi3SetBoolean(fmi3Instance instance,
                           size_t nValueReferences, const fmi3Boolean values[],
                           size_t nValues) {
     const char *function = "fmi3SetBoolean";
-    if (!component_may(instance, function, SOUND))
+    if (!component_may(instance, function, SOUND) ||
+        !component_given(instance, function, nValueReferences, valueReferences) ||
+        !component_given(instance, function, nValues, values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         const Variable *v = whole(instance, function, valueReferences[i], 1, nValues);

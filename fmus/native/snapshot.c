@@ -11,19 +11,21 @@
 typedef struct {
     char magic[8];
     uint64_t token, interface, size; /* size of the whole, in bytes */
+    uint64_t digest;                 /* of what follows, once it is written */
 } Head;
 
-static const char MAGIC[8] = "feeddr1";
+static const char MAGIC[8] = "feeddr2";
 
-static uint64_t token_digest(void) {
+static uint64_t digest_of(const void *bytes, size_t size) {
     uint64_t digest = 14695981039346656037u; /* FNV-1a */
-    for (const char *p = M.token; *p; p++)
-        digest = (digest ^ (unsigned char)*p) * 1099511628211u;
+    const unsigned char *p = bytes;
+    for (size_t i = 0; i < size; i++)
+        digest = (digest ^ p[i]) * 1099511628211u;
     return digest;
 }
 
 static Head head_of(const Component *c, size_t size) {
-    Head head = {.token = token_digest(),
+    Head head = {.token = digest_of(M.token, strlen(M.token)),
                  .interface = (uint64_t)c->model_exchange,
                  .size = size};
     memcpy(head.magic, MAGIC, sizeof MAGIC);
@@ -90,11 +92,15 @@ static const unsigned char *read_line(const unsigned char *p,
     return p + size;
 }
 
-/* Tell whether bytes are a whole snapshot of this model; they may be foreign. */
-static int is_ours(const Component *c, const void *bytes, size_t size) {
+/* Tell whether bytes are a whole snapshot of this model; if they were written,
+   they may be foreign or damaged, and a damaged tick would never end. */
+static int is_ours(const Component *c, const void *bytes, size_t size, int written) {
     Head head, expected = head_of(c, size);
     if (size < sizeof(Head) + state_size())
         return 0;
+    if (written)
+        expected.digest =
+            digest_of((const unsigned char *)bytes + sizeof(Head), size - sizeof(Head));
     memcpy(&head, bytes, sizeof head);
     if (memcmp(&head, &expected, sizeof head) != 0)
         return 0;
@@ -124,7 +130,7 @@ static size_t size_of(const void *snapshot) {
 int snapshot_restore(Component *c, const char *function, const void *snapshot) {
     if (!component_may(c, function, ANY))
         return STATUS_ERROR;
-    if (!snapshot || !is_ours(c, snapshot, size_of(snapshot)))
+    if (!snapshot || !is_ours(c, snapshot, size_of(snapshot), 0))
         return refuse_foreign(c, function);
     const unsigned char *p = snapshot, *end = p + size_of(snapshot);
     p += sizeof(Head);
@@ -168,7 +174,11 @@ int snapshot_write(Component *c, const char *function, const void *snapshot,
     if (!snapshot || !bytes || size != size_of(snapshot))
         return component_refuse(c, "%s: the buffer must have the size of the state",
                                 function);
+    Head head;
     memcpy(bytes, snapshot, size);
+    memcpy(&head, snapshot, sizeof head);
+    head.digest = digest_of(bytes + sizeof head, size - sizeof head);
+    memcpy(bytes, &head, sizeof head);
     return STATUS_OK;
 }
 
@@ -176,11 +186,13 @@ int snapshot_read(Component *c, const char *function, const unsigned char *bytes
                   size_t size, void **snapshot) {
     if (!component_may(c, function, ANY))
         return STATUS_ERROR;
-    if (!bytes || !snapshot || !is_ours(c, bytes, size))
+    if (!bytes || !snapshot || !is_ours(c, bytes, size, 1))
         return refuse_foreign(c, function);
     void *copy = realloc(*snapshot, size);
     if (!copy)
         return component_refuse(c, "%s: there is no memory for the state", function);
+    Head head = head_of(c, size);
     *snapshot = memcpy(copy, bytes, size);
+    memcpy(copy, &head, sizeof head);
     return STATUS_OK;
 }

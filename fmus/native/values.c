@@ -107,24 +107,32 @@ int component_set_time(Component *c, const char *function, double time) {
     return STATUS_OK;
 }
 
-static int counts(Component *c, const char *function, size_t n) {
-    if (n == M.n_x)
-        return 1;
+unsigned component_continuous_states(void) {
+    return M.continuous ? M.n_x : 0;
+}
+
+/* Tell whether array has room for all continuous states, n of them. */
+static int counts(Component *c, const char *function, const double *array, size_t n) {
+    const unsigned there = component_continuous_states();
+    if (n == there)
+        return component_given(c, function, n, array);
     component_refuse(c, "%s: %s has %u continuous states, not %lu", function,
-                     M.identifier, M.n_x, (unsigned long)n);
+                     M.identifier, there, (unsigned long)n);
     return 0;
 }
 
 int component_set_states(Component *c, const char *function, const double *x,
                          size_t n) {
-    if (!component_may(c, function, CONTINUOUS_TIME) || !counts(c, function, n))
+    if (!component_may(c, function, CONTINUOUS_TIME) ||
+        !counts(c, function, x, n))
         return STATUS_ERROR;
     for (unsigned i = 0; i < n; i++)
         if (!isfinite(x[i]))
             return component_refuse(
                 c, "%s: %s cannot be %g; a finite value was expected", function,
                 M.variables[M.variable_of[M.x + i]].name, x[i]);
-    memcpy(c->simulation.state->values + M.x, x, n * sizeof(double));
+    if (n)
+        memcpy(c->simulation.state->values + M.x, x, n * sizeof(double));
     c->simulation.state->outputs_stale = 1;
     return STATUS_OK;
 }
@@ -132,8 +140,10 @@ int component_set_states(Component *c, const char *function, const double *x,
 int component_get_block(Component *c, const char *function, unsigned first,
                         double *values, size_t n) {
     if (!component_may(c, function, INITIALIZING | EXCHANGING | TERMINATED) ||
-        !counts(c, function, n))
+        !counts(c, function, values, n))
         return STATUS_ERROR;
+    if (!n)
+        return STATUS_OK;
     memcpy(values, component_values(c) + first, n * sizeof(double));
     for (unsigned i = 0; i < n; i++)
         if (!isfinite(values[i]))
@@ -146,8 +156,9 @@ int component_get_block(Component *c, const char *function, unsigned first,
 
 int component_get_nominals(Component *c, const char *function, double *nominal,
                            size_t n) {
-    if (!component_may(c, function, SOUND) || !counts(c, function, n))
+    if (!component_may(c, function, SOUND) || !counts(c, function, nominal, n))
         return STATUS_ERROR;
-    memcpy(nominal, M.nominal, n * sizeof(double));
+    if (n)
+        memcpy(nominal, M.nominal, n * sizeof(double));
     return STATUS_OK;
 }

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fmus.cache import cache_folder
-from fmus.closure import NoSuchModule, closure, files_digest
+from fmus.closure import NoSuchModule, closure, data_files, files_digest
 from orchestrator.system import Value
 
 OURS = "controllers."
@@ -36,7 +36,7 @@ def remembered(
         sources = {}
     if not sources:
         return compute()
-    key = _key(call, arguments, files_digest(sources))
+    key = _key(call, arguments, files_digest(sources, data_files(sources)))
     file = cache_folder() / "designs" / f"{key}.json"
     if file.is_file():
         found = json.loads(file.read_text(encoding="utf-8"))

@@ -1,0 +1,1 @@
+"""Ball screw whose dynamics vary with nut position and workpiece mass."""
