@@ -35,7 +35,7 @@ _PREFIXES = {
     **{"P": 15, "T": 12, "G": 9, "M": 6, "k": 3, "h": 2},
     **{"d": -1, "c": -2, "m": -3, "u": -6, "µ": -6, "n": -9, "p": -12, "f": -15},
 }
-_PREFIXED = {  # symbols that take the prefixes
+PREFIXED = {  # symbols that take the prefixes
     "m": _unit(m=1),
     "g": _unit("1e-3", kg=1),
     "s": _unit(s=1),
@@ -69,7 +69,7 @@ _PREFIXED = {  # symbols that take the prefixes
     "Ws": _unit(kg=1, m=2, s=-2),
     "Nms": _unit(kg=1, m=2, s=-1),
 }
-_PLAIN = {  # those that do not
+PLAIN = {  # those that do not
     "1": _unit(),
     "percent": _unit("0.01"),
     "ppm": _unit("1e-6"),
@@ -145,11 +145,11 @@ def find(name: str) -> Named | None:
     """Return a unit by its symbol or by another spelling of it."""
     name = name.replace("μ", "µ").replace("\N{OHM SIGN}", "Ω")
     name = _SPELLED.get(name, name)
-    if name in _PREFIXED:
-        return _PREFIXED[name]
-    if name in _PLAIN:
-        return _PLAIN[name]
-    whole = _PREFIXED.get(name[1:])
+    if name in PREFIXED:
+        return PREFIXED[name]
+    if name in PLAIN:
+        return PLAIN[name]
+    whole = PREFIXED.get(name[1:])
     power = _PREFIXES.get(name[:1])
     if whole is not None and power is not None:
         return whole._replace(factor=whole.factor * Fraction(10) ** power)
@@ -165,14 +165,9 @@ def is_product(name: str) -> bool:
 def nearest(name: str) -> str:
     """Return a remedy for a unit that is not known."""
     whole = ("N.m", "rad/s", "rad/s2", "m/s", "m/s2", "rev/min", "1/min", "kg.m2")
-    prefixed = (f"{p}{name}" for name in _PREFIXED for p in ("k", "m", "u"))
-    known = [*_PLAIN, *_SPELLED, *_PREFIXED, *whole, *prefixed]
+    prefixed = (f"{p}{name}" for name in (*PREFIXED, "Ohm") for p in "kmu")
+    known = [*PLAIN, *_SPELLED, *PREFIXED, *whole, *prefixed]
     near = get_close_matches(name, known, n=3, cutoff=0.5)
     if near:
         return f"did you mean {' or '.join(map(repr, near))}?"
-    return f"known are, with the usual prefixes, {', '.join((*_PREFIXED, *_PLAIN))}"
-
-
-def spellings() -> list[str]:
-    """Return every name there is, without prefixes."""
-    return [*_PREFIXED, *_PLAIN, *_SPELLED]
+    return f"known are, with the usual prefixes, {', '.join((*PREFIXED, *PLAIN))}"

@@ -171,8 +171,9 @@ class _Grammar:
         if match["one"]:
             return Named({})
         exponent = int(match["power"] or match["exponent"] or 1)
-        if exponent != 1 and (spelled := unit_names.find(match[0])):
-            return spelled  # kgm2
+        squared = f"{match['name']}{exponent}"  # kgm2
+        if exponent != 1 and (spelled := unit_names.find(squared)):
+            return spelled
         unit = self._named(match["name"])
         if exponent == 1:
             return unit
