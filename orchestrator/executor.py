@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.faults import Faults
 from orchestrator.instances.instance import Instance
+from orchestrator.places import Copy, Views, carry, views
 from orchestrator.profile import Spent
 from orchestrator.timetable import Op, Program, Timetable
-from orchestrator.wiring import Copy, Part
+from orchestrator.wiring import Part
 
 Action = Callable[[int], None]
 
@@ -49,15 +50,16 @@ class Executor:
         self._seconds = timetable.schedule.seconds
         self._parts = timetable.wiring.parts
         self._instances, self._rows = instances, rows
-        self._view: Any = vector.data
+        self._vector, self._views = vector, views(vector)
+        self._bits: Any = self._views["int64"]
         self._lines = {
-            name: _Line(part, self._view)
+            name: _Line(part, self._bits)
             for name, part in self._parts.items()
             if part.component.latency
         }
         names = (*self._parts, None)
         self._accounts = {name: [0, 0.0] for name in names}
-        self._faults = Faults(timetable.wiring, timetable.schedule, self._view)
+        self._faults = Faults(timetable.wiring, timetable.schedule, vector)
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
     def run(self) -> Iterator[int]:
@@ -118,7 +120,7 @@ class Executor:
             return lambda _k: push()
         if op.code == "read":
             return self._read(part, instance)
-        copy = _copy(part.copies, self._view)
+        copy = _copy(part.copies, self._views, seconds)
         if op.code == "copy":
             return copy
         line = self._lines[op.target]
@@ -132,13 +134,14 @@ class Executor:
         return release
 
     def _read(self, part: Part, instance: Instance) -> Action:
-        view, pull, seconds = self._view, instance.pull, self._seconds
-        first, last = part.raw, part.raw + part.read_size
+        view, pull, seconds = self._views["float64"], instance.pull, self._seconds
+        spans = [slice(part.raw + first, part.raw + end) for first, end in part.spans]
 
         def read(k: int) -> None:
             pull()
-            if not all(map(isfinite, view[first:last])):
-                raise refusal(part, view[first:last].tolist(), seconds(k))
+            for span in spans:
+                if not all(map(isfinite, view[span])):
+                    raise refusal(part, self._vector, seconds(k))
 
         return read
 
@@ -146,49 +149,56 @@ class Executor:
 class _Line:
     """A latency line: what is held at tick k is released at tick k + latency."""
 
-    def __init__(self, part: Part, view: Any) -> None:
-        self._view, self._delayed = view, part.delayed
+    def __init__(self, part: Part, bits: Any) -> None:
+        self._bits, self._delayed = bits, part.delayed
         self._raw, self._published = part.raw, part.published
         self._rest = part.read_size - part.delayed
-        initial = view[part.raw : part.raw + part.delayed].tolist()
+        initial = bits[part.raw : part.raw + part.delayed].tolist()
         self._ring = [initial] * part.component.latency
         self._head = 0
 
     def release(self) -> None:
         for i, value in enumerate(self._ring[self._head], self._published):
-            self._view[i] = value
+            self._bits[i] = value
 
     def hold(self) -> None:
-        view, raw, n = self._view, self._raw, self._delayed
-        self._ring[self._head] = view[raw : raw + n].tolist()
+        bits, raw, n = self._bits, self._raw, self._delayed
+        self._ring[self._head] = bits[raw : raw + n].tolist()
         self._head = (self._head + 1) % len(self._ring)
         for i in range(n, n + self._rest):
-            view[self._published + i] = view[raw + i]
+            bits[self._published + i] = bits[raw + i]
 
 
-def _copy(copies: tuple[Copy, ...], view: Any) -> Action:
-    exact = [(c.source, c.sink) for c in copies if not c.affine.converts]
+def _copy(
+    copies: tuple[Copy, ...], views: Views, seconds: Callable[[int], float]
+) -> Action:
+    view, bits = views["float64"], views["int64"]
+    exact = [(c.source, c.sink) for c in copies if c.is_exact]
+    rest = [c for c in copies if not c.is_exact]
     converting = [
         (c.source, c.sink, c.affine.gain, c.affine.offset)
-        for c in copies
-        if c.affine.converts
+        for c in rest
+        if c.is_of_doubles
     ]
+    between_types = [c for c in rest if not c.is_of_doubles]
 
-    def copy(_k: int) -> None:
+    def copy(k: int) -> None:
         for source, sink in exact:
-            view[sink] = view[source]
+            bits[sink] = bits[source]
         for source, sink, gain, offset in converting:
             view[sink] = gain * view[source] + offset
+        for c in between_types:
+            carry(c, views, seconds(k))
 
     return copy
 
 
-def refusal(part: Part, values: list[float], t: float) -> SimulationError:
+def refusal(part: Part, vector: NDArray[np.float64], t: float) -> SimulationError:
     """Return the error for the first value that is not finite."""
     names = [f"{v.name}" for v in part.read for _ in range(v.size)]
-    name, value = next(
-        (n, v) for n, v in zip(names, values, strict=True) if not isfinite(v)
-    )
+    places = [i for first, end in part.spans for i in range(first, end)]
+    found = ((names[i], float(vector[part.raw + i])) for i in places)
+    name, value = next((n, v) for n, v in found if not isfinite(v))
     return SimulationError(
         f"{part.name} ({part.fmu.path.name}): {name} is {value} at t = {t:.9g} s; "
         f"look at its inputs just before (record them), or take smaller steps"

@@ -22,6 +22,10 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import Any, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.places import views
 from orchestrator.schedule import Schedule
 from orchestrator.system import Fault, FaultKind
 from orchestrator.wiring import Faulty, Wiring
@@ -37,10 +41,13 @@ _LAWS: dict[FaultKind, Law] = {
 
 
 class Faults:
-    """All faults of a run; ``view`` is the vector after initialisation."""
+    """All faults of a run; ``vector`` is that after initialisation."""
 
-    def __init__(self, wiring: Wiring, schedule: Schedule, view: Any) -> None:
-        self._inputs = [_Input(f, schedule, view) for f in wiring.faulty]
+    def __init__(
+        self, wiring: Wiring, schedule: Schedule, vector: NDArray[np.float64]
+    ) -> None:
+        seen = views(vector)
+        self._inputs = [_Input(f, schedule, seen[f.dtype]) for f in wiring.faulty]
         self._of: dict[str, list[_Input]] = {}
         for faulty, place in zip(wiring.faulty, self._inputs, strict=True):
             self._of.setdefault(faulty.edge.source, []).append(place)

@@ -22,6 +22,7 @@ from orchestrator.system import Kind
 from orchestrator.unit import Unit, unit_of_fmu
 
 Sort = Literal["real", "integer", "boolean", "string"]
+Dtype = Literal["float64", "int64", "uint64"]
 
 _TYPES = {
     2: {"Real", "Integer", "Boolean", "String", "Enumeration"},
@@ -34,6 +35,11 @@ _SORTS: dict[str, Sort] = {
     "Float32": "real",
     "Boolean": "boolean",
     "String": "string",
+}
+_WORDS: dict[str, Dtype] = {
+    "Int64": "int64",
+    "UInt64": "uint64",
+    "Enumeration": "int64",
 }
 
 
@@ -58,6 +64,7 @@ class FmuVariable:
     min: str | None
     max: str | None
     description: str
+    dtype: Dtype = "float64"  # by which its numbers lie in the master's vector
 
     @property
     def sort(self) -> Sort:
@@ -182,6 +189,8 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     names = {v.name for v in md.modelVariables}
     units = dict(_units(md.unitDefinitions))
     relative = _relative(root)
+    for v in md.modelVariables:
+        v.relativeQuantity = relative.get(v.name)
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -191,7 +200,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, units, relative.get(v.name))
+            v.name: _variable(v, units, major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
@@ -277,12 +286,11 @@ def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | N
     return units.get(name or "") or (BaseUnit() if name == "1" else None)
 
 
-def _variable(
-    v: Any, units: Mapping[str, BaseUnit], relative: bool | None
-) -> FmuVariable:
+def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
     type_ = v.declaredType
     name: str | None = v.unit or (type_.unit if type_ is not None else None)
     base = _definition(name, units)
+    relative = v.relativeQuantity
     if relative is None and type_ is not None:
         relative = type_.relativeQuantity
     unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
@@ -300,6 +308,7 @@ def _variable(
         min=v.min,
         max=v.max,
         description=v.description or "",
+        dtype=_WORDS.get(v.type, "float64") if major == 3 else "float64",
     )
 
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.instances.instance import Instance
 from orchestrator.order import initial_order
-from orchestrator.wiring import Copy, Edge, Part, Wiring
+from orchestrator.places import Copy, carry, store, views
+from orchestrator.wiring import Edge, Part, Wiring
 
 TOLERANCE = 1e-12
 SUBSTITUTIONS = 200
@@ -54,8 +55,7 @@ def _begin(part: Part, instance: Instance, vector: Vector) -> None:
     start = part.component.offset if part.kind == "sampled" else 0
     instance.enter_initialization(float(start))
     instance.bind(vector, part.inputs, part.first_input, part.read, part.raw)
-    last = part.first_input + part.input_size
-    vector[part.first_input : last] = instance.read(part.inputs)
+    store(vector, part.first_input, part.inputs, instance.read(part.inputs))
 
 
 def _places(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
@@ -79,9 +79,9 @@ def _exchange(
     instance.pull()
     raw = vector[part.raw : part.raw + part.read_size]
     vector[part.published : part.published + part.read_size] = raw
+    seen = views(vector)
     for copy in copies:
-        affine = copy.affine
-        vector[copy.sink] = affine.gain * vector[copy.source] + affine.offset
+        carry(copy, seen, 0.0)
 
 
 def _sweep(
@@ -107,9 +107,41 @@ def _solve(
     unknown: Mapping[int, Copy],
     opened: Sequence[Edge],
 ) -> None:
-    from scipy.optimize import root
-
     places, copies = list(unknown), list(unknown.values())
+    real = all(_is_real(wiring, place) for place in places)
+    if real and _newton(wiring, instances, vector, order, places, copies):
+        return
+    seen = views(vector)
+    for _ in range(SUBSTITUTIONS):
+        before = vector[places].copy()
+        _sweep(wiring, instances, vector, order, set(places))
+        for copy in copies:
+            carry(copy, seen, 0.0)
+        if _settled(before, vector[places]):
+            return
+    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
+    raise SimulationError(
+        f"initialisation: the circle through {listed} has no solution that Newton's "
+        f"method or substitution finds; set start values near one, or open the circle"
+    )
+
+
+def _is_real(wiring: Wiring, place: int) -> bool:
+    part = next(p for p in wiring.parts.values() if _owns(p, place))
+    owners = [v for v in part.inputs for _ in range(v.size)]
+    return owners[place - part.first_input].sort == "real"
+
+
+def _newton(
+    wiring: Wiring,
+    instances: Mapping[str, Instance],
+    vector: Vector,
+    order: Sequence[str],
+    places: list[int],
+    copies: list[Copy],
+) -> bool:
+    """Seek the inputs of a circle; tell whether they were found, else leave them."""
+    from scipy.optimize import root
 
     def around(z: Vector) -> Vector:
         vector[places] = z
@@ -117,23 +149,15 @@ def _solve(
         values = [c.affine.gain * vector[c.source] + c.affine.offset for c in copies]
         return np.array(values)
 
-    def settled(z: Vector) -> bool:
-        difference = np.abs(around(z) - z)
-        return bool(np.all(difference <= TOLERANCE * np.maximum(1.0, np.abs(z))))
-
     start = vector[places].copy()
     newton = root(lambda z: around(z) - z, start, tol=TOLERANCE)
-    if newton.success and settled(newton.x):
-        return
-    z = start
-    for _ in range(SUBSTITUTIONS):
-        z = around(z)
-        if not np.all(np.isfinite(z)):
-            break
-        if settled(z):
-            return
-    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
-    raise SimulationError(
-        f"initialisation: the circle through {listed} has no solution that Newton's "
-        f"method or substitution finds; set start values near one, or open the circle"
-    )
+    if newton.success and _settled(newton.x, around(newton.x)):
+        return True
+    vector[places] = start
+    return False
+
+
+def _settled(before: Vector, after: Vector) -> bool:
+    """Tell whether numbers are the same, doubles up to the tolerance."""
+    close = np.abs(after - before) <= TOLERANCE * np.maximum(1.0, np.abs(before))
+    return bool(np.all(close | (before.view(np.int64) == after.view(np.int64))))

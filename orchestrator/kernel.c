@@ -8,7 +8,7 @@
 
        STEP     do_step from t - back ticks over h; the FMU's clock shows the start
        READ     get all outputs into raw, refuse what is not finite
-       COPY     vector[sink] = gain * vector[source] + offset
+       COPY     vector[sink] = gain * vector[source] + offset, 64-bit integers exactly
        RELEASE  publish the oldest row of the latency line, then COPY
        WRITE    set all inputs
        HOLD     put raw into the latency line, publish what is not delayed
@@ -36,10 +36,12 @@
 
 enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW, FAULT };
 enum {
-    NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED
+    NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED,
+    COPY_FAILED
 };
 enum { WARNING = 1 };
-enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, BOOL32, BOOL8 };
+enum { F64, I64, U64, F32, I8, U8, I16, U16, I32, U32, BOOL32, BOOL8 };
+#define IN_PLACE(type) ((type) <= U64)
 
 #if defined(__GNUC__)
 #define ALWAYS_INLINE inline __attribute__((always_inline))
@@ -77,8 +79,6 @@ static void from_buffer(const Group *g) {
     case U16: EACH(uint16_t, v[i] = b[i]);
     case I32: EACH(int32_t, v[i] = b[i]);
     case U32: EACH(uint32_t, v[i] = b[i]);
-    case I64: EACH(int64_t, v[i] = (double)b[i]);
-    case U64: EACH(uint64_t, v[i] = (double)b[i]);
     case BOOL32: EACH(int32_t, v[i] = b[i]);
     case BOOL8: EACH(_Bool, v[i] = b[i]);
     default: break;
@@ -88,10 +88,10 @@ static void from_buffer(const Group *g) {
 /* Returns 0 if a value does not fit into the type. */
 static int to_buffer(const Group *g) {
     const double *v = g->values;
-    if (g->type >= I8 && g->type <= U64)
-        for (size_t i = 0; i < g->size; i++)
-            if (!(trunc(v[i]) >= g->low && trunc(v[i]) < g->above))
-                return 0;
+    for (size_t i = 0; i < g->size; i++)
+        if (!(v[i] >= g->low && v[i] <= g->high) ||
+            (g->type != F32 && v[i] != trunc(v[i])))
+            return 0;
     switch (g->type) {
     case F32: EACH(float, b[i] = (float)v[i]);
     case I8: EACH(int8_t, b[i] = (int8_t)v[i]);
@@ -100,8 +100,6 @@ static int to_buffer(const Group *g) {
     case U16: EACH(uint16_t, b[i] = (uint16_t)v[i]);
     case I32: EACH(int32_t, b[i] = (int32_t)v[i]);
     case U32: EACH(uint32_t, b[i] = (uint32_t)v[i]);
-    case I64: EACH(int64_t, b[i] = (int64_t)v[i]);
-    case U64: EACH(uint64_t, b[i] = (uint64_t)v[i]);
     case BOOL32: EACH(int32_t, b[i] = v[i] != 0);
     case BOOL8: EACH(_Bool, b[i] = v[i] != 0);
     default: break;
@@ -195,21 +193,22 @@ static ALWAYS_INLINE int get_outputs(Kernel *kernel, Part *p, const Op *op,
         int status = call(g, g->get, p->instance);
         if (status > WARNING)
             return fail(kernel, GET_FAILED, k, op, i, status);
-        if (g->type != F64)
+        if (!IN_PLACE(g->type))
             from_buffer(g);
     }
     if (p->pending && !move_on(kernel, p, op, k))
         return 0;
-    for (size_t i = 0; i < p->n_read; i++)
-        if (!isfinite(p->raw[i]))
-            return fail(kernel, NOT_FINITE, k, op, 0, 0);
+    for (const Span *s = p->spans; s < p->spans + p->n_spans; s++)
+        for (size_t i = s->first; i < s->end; i++)
+            if (!isfinite(p->raw[i]))
+                return fail(kernel, NOT_FINITE, k, op, 0, 0);
     return 1;
 }
 
 static ALWAYS_INLINE int set_inputs(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     for (size_t i = 0; i < p->n_inputs; i++) {
         const Group *g = p->inputs + i;
-        if (g->type != F64 && !to_buffer(g))
+        if (!IN_PLACE(g->type) && !to_buffer(g))
             return fail(kernel, DOES_NOT_FIT, k, op, i, 0);
         int status = call(g, g->set, p->instance);
         if (status > WARNING)
@@ -218,12 +217,49 @@ static ALWAYS_INLINE int set_inputs(Kernel *kernel, const Part *p, const Op *op,
     return 1;
 }
 
-static ALWAYS_INLINE void copy(const Part *p) {
-    const Copy *c = p->copies, *exact = c + p->n_exact, *end = c + p->n_copies;
+/* Between a 64-bit integer and another type; returns 0 if digits would be lost that
+   no gain or offset asks to be. */
+static int retype(const Copy *c) {
+    int64_t word;
+    double v = *c->source;
+    memcpy(&word, c->source, sizeof word);
+    int converts = c->gain != 1 || c->offset != 0;
+    if (!converts && c->from != F64 && c->to != F64) { /* the two integers */
+        memcpy(c->sink, &word, sizeof word);
+        return word >= 0;
+    }
+    if (c->from == I64)
+        v = (double)word;
+    if (c->from == U64)
+        v = (double)(uint64_t)word;
+    if (!converts && c->from == I64 && !(v < 0x1p63 && (int64_t)v == word))
+        return 0;
+    if (!converts && c->from == U64 && !(v < 0x1p64 && (uint64_t)v == (uint64_t)word))
+        return 0;
+    if (converts)
+        v = c->gain * v + c->offset;
+    if (c->to == F64) {
+        *c->sink = v;
+        return 1;
+    }
+    if (v != trunc(v) || !(c->to == I64 ? v >= -0x1p63 && v < 0x1p63
+                                        : v >= 0 && v < 0x1p64))
+        return 0;
+    word = c->to == I64 ? (int64_t)v : (int64_t)(uint64_t)v;
+    memcpy(c->sink, &word, sizeof word);
+    return 1;
+}
+
+static ALWAYS_INLINE int copy(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
+    const Copy *c = p->copies, *exact = c + p->n_exact, *doubles = c + p->n_doubles;
     for (; c < exact; c++)
-        *c->sink = *c->source;
-    for (; c < end; c++)
+        memcpy(c->sink, c->source, sizeof *c->sink);
+    for (; c < doubles; c++)
         *c->sink = c->gain * *c->source + c->offset;
+    for (; c < p->copies + p->n_copies; c++)
+        if (!retype(c))
+            return fail(kernel, COPY_FAILED, k, op, (size_t)(c - p->copies), 0);
+    return 1;
 }
 
 static void hold(Part *p) {
@@ -234,10 +270,10 @@ static void hold(Part *p) {
            (p->n_read - p->n_delayed) * sizeof(double));
 }
 
-static void release(const Part *p) {
+static int release(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     const double *row = p->line + p->head * p->n_delayed;
     memcpy(p->published, row, p->n_delayed * sizeof(double));
-    copy(p);
+    return copy(kernel, p, op, k);
 }
 
 static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
@@ -245,7 +281,7 @@ static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
     double *place = table->columns + row;
     table->time[row] = t;
     for (size_t c = 0; c < table->n_columns; c++, place += table->capacity)
-        *place = *table->sources[c];
+        memcpy(place, table->sources[c], sizeof *place);
     if (*table->count == table->capacity)
         kernel->full = 1;
 }
@@ -269,8 +305,8 @@ static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now)
     switch (op->code) {
     case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));
     case READ: return get_outputs(kernel, p, op, k);
-    case COPY: copy(p); return 1;
-    case RELEASE: release(p); return 1;
+    case COPY: return copy(kernel, p, op, k);
+    case RELEASE: return release(kernel, p, op, k);
     case WRITE: return set_inputs(kernel, p, op, k);
     case HOLD: hold(p); return 1;
     case FAULT: kernel->fault(op->target, k); return 1;

@@ -7,22 +7,30 @@
 
 typedef void Function(void); /* of an FMU, called by its true type */
 
-/* Variables of one type.  Doubles lie in the vector, and buffer points there. */
+/* Variables of one type.  Those of 8 bytes, doubles and 64-bit integers, lie in the
+   vector, and buffer points there. */
 typedef struct {
     Function *get, *set;
     const uint32_t *references;
     size_t n_references, size;
     double *values;
     void *buffer;
-    double low, above; /* low <= truncated value < above */
+    double low, high; /* least and greatest value of the type */
     int32_t type, major;
 } Group;
 
+/* `from` and `to` are types: F64, I64 or U64. */
 typedef struct {
     double *sink;
     const double *source;
     double gain, offset;
+    int32_t from, to;
 } Copy;
+
+/* Some of the values read, all of them doubles. */
+typedef struct {
+    size_t first, end;
+} Span;
 
 /* What ticks an FMU by its clock; see orchestrator/instances/clocked.py. */
 typedef struct {
@@ -36,10 +44,12 @@ typedef struct {
     double *clock; /* s; read by log callbacks */
     const Group *inputs, *outputs;
     size_t n_inputs, n_outputs;
-    const Copy *copies; /* the first n_exact have gain 1 and offset 0 */
-    size_t n_copies, n_exact;
+    const Copy *copies; /* first those of the same bits, then of doubles */
+    size_t n_copies, n_exact, n_doubles;
     double *raw, *published;
     size_t n_read, n_delayed;
+    const Span *spans; /* of raw, that must be finite */
+    size_t n_spans;
     double *line; /* latency rows of n_delayed values, next at head */
     size_t latency, head;
     int32_t major;

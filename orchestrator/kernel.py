@@ -21,6 +21,7 @@ from orchestrator.faults import Faults
 from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.group import group_table
 from orchestrator.instances.instance import Instance
+from orchestrator.places import Copy, carry, views
 from orchestrator.profile import Spent
 from orchestrator.recorder import CHUNK, Table
 from orchestrator.schedule import Stretch
@@ -34,6 +35,14 @@ FIRST = 64  # instants in the first chunk
 Vector = NDArray[np.float64]
 _CODES = {name: i for i, name in enumerate(c.CODES)}
 _CODES |= {"advance": _CODES["step"], "tick": _CODES["step"]}
+
+
+_TYPES = {"float64": 0, "int64": 1, "uint64": 2}  # as kernel.c numbers them
+
+
+def _sorted(copies: Sequence[Copy]) -> list[Copy]:
+    """Return copies as the kernel takes them: same bits, doubles, the rest."""
+    return sorted(copies, key=lambda copy: (not copy.is_exact, not copy.is_of_doubles))
 
 
 class Kernel:
@@ -66,7 +75,7 @@ class Kernel:
         self._programs: list[c.Program] = []
         self._known: dict[int, tuple[int, Program]] = {}
         tick = timetable.schedule.tick
-        faults = Faults(timetable.wiring, timetable.schedule, vector.data)
+        faults = Faults(timetable.wiring, timetable.schedule, vector)
         sources = [*parts, ""]
         self._kernel = c.Kernel(
             fault=c.FaultFunction(lambda i, k: faults.apply(sources[i], k)),
@@ -140,8 +149,12 @@ class Kernel:
             values = self._vector[sink.first : sink.first + sink.size]
             return sink.misfit(values.tolist())
         t = self._timetable.schedule.seconds(kernel.instant)
-        raw = self._vector[part.raw : part.raw + part.read_size]
-        return refusal(part, raw.tolist(), t)
+        if how == "copy":
+            try:
+                carry(_sorted(part.copies)[group], views(self._vector), t)
+            except SimulationError as error:
+                return error
+        return refusal(part, self._vector, t)
 
     def _at(self, place: int) -> int:
         return int(self._vector.ctypes.data) + 8 * place
@@ -160,7 +173,8 @@ class Kernel:
     def _part(self, part: Part, instance: Instance) -> c.Part:
         inputs = [group_table(g) for g in instance.inputs]
         outputs = [group_table(g) for g in instance.outputs]
-        copies = sorted(part.copies, key=lambda copy: copy.affine.converts)
+        copies = _sorted(part.copies)
+        spans = self._array(c.Span, [c.Span(*span) for span in part.spans])
         line = np.tile(
             self._vector[part.raw : part.raw + part.delayed], part.component.latency
         )
@@ -182,17 +196,22 @@ class Kernel:
                             self._at(copy.source),
                             copy.affine.gain,
                             copy.affine.offset,
+                            _TYPES[copy.from_],
+                            _TYPES[copy.to],
                         )
                         for copy in copies
                     ],
                 )
             ),
             n_copies=len(copies),
-            n_exact=sum(not copy.affine.converts for copy in copies),
+            n_exact=sum(copy.is_exact for copy in copies),
+            n_doubles=sum(copy.is_exact or copy.is_of_doubles for copy in copies),
             raw=self._at(part.raw),
             published=self._at(part.published),
             n_read=part.read_size,
             n_delayed=part.delayed,
+            spans=addressof(spans),
+            n_spans=len(part.spans),
             line=line.ctypes.data,
             latency=part.component.latency,
             major=instance.step_major,

@@ -24,11 +24,13 @@ SOURCES = [
     )
 ]
 CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
-FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick")
+FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick", "copy")
 DOING = ("set", "doStep", "get")  # of a channel
 ASK = ("step", "exchange", "leave")
 TYPES: tuple[Any, ...] = (
     c_double,
+    c_int64,
+    ctypes.c_uint64,
     ctypes.c_float,
     ctypes.c_int8,
     ctypes.c_uint8,
@@ -36,9 +38,8 @@ TYPES: tuple[Any, ...] = (
     ctypes.c_uint16,
     c_int32,
     c_uint32,
-    c_int64,
-    ctypes.c_uint64,
 )
+IN_PLACE = TYPES[:3]  # of 8 bytes, kept in the vector as they are
 BOOLEANS = {2: len(TYPES), 3: len(TYPES) + 1}  # by FMI version
 
 
@@ -54,7 +55,7 @@ class Group(ctypes.Structure):
         ("values", c_void_p),
         ("buffer", c_void_p),
         ("low", c_double),
-        ("above", c_double),
+        ("high", c_double),
         ("type", c_int32),
         ("major", c_int32),
     ]
@@ -68,7 +69,15 @@ class Copy(ctypes.Structure):
         ("source", c_void_p),
         ("gain", c_double),
         ("offset", c_double),
+        ("from_", c_int32),
+        ("to", c_int32),
     ]
+
+
+class Span(ctypes.Structure):
+    """Values read that are doubles."""
+
+    _fields_: ClassVar[Any] = [("first", c_size_t), ("end", c_size_t)]
 
 
 class Ticker(ctypes.Structure):
@@ -97,10 +106,13 @@ class Part(ctypes.Structure):
         ("copies", c_void_p),
         ("n_copies", c_size_t),
         ("n_exact", c_size_t),
+        ("n_doubles", c_size_t),
         ("raw", c_void_p),
         ("published", c_void_p),
         ("n_read", c_size_t),
         ("n_delayed", c_size_t),
+        ("spans", c_void_p),
+        ("n_spans", c_size_t),
         ("line", c_void_p),
         ("latency", c_size_t),
         ("head", c_size_t),

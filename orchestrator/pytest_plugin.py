@@ -85,7 +85,7 @@ class ScenarioTest(pytest.Item):
     def runtest(self) -> None:
         from orchestrator.session import run
 
-        done = run(self.path, _folder(self.config, self.nodeid))
+        done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
         if text := unmet(done):
             raise ExpectationsNotMet(text)
 
@@ -211,7 +211,7 @@ def run_scenario(request: pytest.FixtureRequest) -> "Callable[..., Run]":
     ) -> "Run":
         loaded = _scenario(request.path, scenario, overrides, **options)
         name = f"{request.node.nodeid}-{next(numbers)}"
-        return run(loaded, _folder(request.config, name))
+        return run(loaded, _folder(request.config, name), overwrite=True)
 
     return ran
 

@@ -100,12 +100,14 @@ class Table:
 
         self.path = path
         fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
-        fields += [
-            pa.field(c.name, pa.float64(), metadata=c.unit.metadata()) for c in columns
-        ]
+        for c in columns:
+            kind = pa.float64() if c.affine.converts else getattr(pa, c.dtype)()
+            fields.append(pa.field(c.name, kind, metadata=c.unit.metadata()))
         self._pa, self._schema = pa, pa.schema(fields)
+        self._dtypes = [np.dtype(c.dtype) for c in columns]
         self._file = path.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)
+        self._file.flush()  # readable, without rows, from the first moment
         self.index = np.array([c.index for c in columns], dtype=np.intp)
         self._affine = {
             i: (c.affine.gain, c.affine.offset)
@@ -144,17 +146,19 @@ class Table:
         except OSError as error:
             raise _full(self.path, error) from None
 
-    def _column(self, values: NDArray[np.float64]) -> Any:
+    def _column(self, values: NDArray[Any]) -> Any:
         """Return an Arrow array on the same memory (``pa.array`` imports pandas)."""
         buffers = [None, self._pa.py_buffer(values)]
-        return self._pa.Array.from_buffers(self._pa.float64(), len(values), buffers)
+        kind = getattr(self._pa, values.dtype.name)()
+        return self._pa.Array.from_buffers(kind, len(values), buffers)
 
-    def _converted(self, n: int) -> Iterator[NDArray[np.float64]]:
+    def _converted(self, n: int) -> Iterator[NDArray[Any]]:
         yield self.time[:n]
-        for i, values in enumerate(self.values[:, :n]):
+        for i, places in enumerate(self.values[:, :n]):
+            values = places.view(self._dtypes[i])
             if i in self._affine:
                 gain, offset = self._affine[i]
-                yield gain * values + offset
+                yield gain * values.astype(np.float64) + offset
             else:
                 yield values
 

@@ -100,20 +100,41 @@ def _numbers(column: Any) -> NDArray[np.float64]:
     return np.concatenate(chunks) if chunks else np.empty(0)
 
 
+def reached(folder: Path) -> float | None:
+    """Return the time (s) of the last row a run has written; None without rows."""
+    ends = [_last_time(file) for file in _files(folder / "result")]
+    return max((t for t in ends if t is not None), default=None)
+
+
 def _columns(folder: Path) -> dict[str, Path]:
-    """Return which file holds each recorded variable; Parquet before Arrow."""
+    """Return which file holds each recorded variable."""
     tables = folder / "result"
-    arrows = sorted(tables.glob("*.arrows"))
-    files = [*(f for f in arrows if not f.with_suffix(".parquet").exists())]
-    files += sorted(tables.glob("*.parquet"))
     if not tables.is_dir():
         raise FmuError(f"{folder}: holds no run: there is no folder result in it")
     columns = {}
-    for file in files:
+    for file in _files(tables):
         for name in _schema(file).names:
             if name != "time":
                 columns[name] = file
     return columns
+
+
+def _files(tables: Path) -> list[Path]:
+    """Return the files of all tables; Parquet before Arrow, none that is empty."""
+    arrows = [f for f in tables.glob("*.arrows") if _begun(f)]
+    return sorted({*map(_now, arrows), *tables.glob("*.parquet")})
+
+
+def _begun(file: Path) -> bool:
+    with suppress(FileNotFoundError):  # the run has just ended
+        return file.stat().st_size > 0
+    return False
+
+
+def _now(file: Path) -> Path:
+    """Return the file that a table is in now; a run may have ended meanwhile."""
+    parquet = file.with_suffix(".parquet")
+    return parquet if parquet.exists() else file
 
 
 def _schema(file: Path) -> Any:
@@ -129,14 +150,36 @@ def _read(file: Path, columns: list[str] | None = None) -> Any:
     import pyarrow as pa
     import pyarrow.parquet
 
+    file = _now(file)
     if file.suffix == ".parquet":
         with pyarrow.parquet.ParquetFile(file) as parquet:  # read_table imports pandas
             return parquet.read(columns=columns)
-    batches = []
     with pyarrow.ipc.open_stream(file) as reader:
-        schema = reader.schema
-        # the last batch of a killed run may be cut
-        with suppress(pa.ArrowInvalid, OSError):
-            batches.extend(reader)
-    table = pa.Table.from_batches(batches, schema)
+        table = pa.Table.from_batches(_batches(reader), reader.schema)
     return table.select(columns) if columns else table
+
+
+def _batches(reader: Any) -> Iterator[Any]:
+    """Yield the batches of a stream; the last one of a killed run may be cut."""
+    import pyarrow as pa
+
+    with suppress(pa.ArrowInvalid, OSError):
+        yield from reader
+
+
+def _last_time(file: Path) -> float | None:
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    if file.suffix == ".parquet":
+        with pyarrow.parquet.ParquetFile(file) as parquet:
+            groups = parquet.num_row_groups
+            if not groups:
+                return None
+            times = parquet.read_row_group(groups - 1, columns=["time"])["time"]
+            return float(times[-1].as_py()) if len(times) else None
+    last = None
+    with pa.memory_map(str(file)) as mapped, pa.ipc.open_stream(mapped) as reader:
+        for batch in _batches(reader):
+            last = batch
+        return None if last is None else float(last["time"][-1].as_py())

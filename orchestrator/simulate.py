@@ -61,12 +61,14 @@ def simulate(
     system: System,
     folder: Path,
     *,
+    timetable: Timetable | None = None,
     progress: Progress | None = None,
     executor: Choice | None = None,
     profile: bool = False,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
+    ``timetable`` is what ``plan`` returned for it, if that was asked before.
     ``progress`` is told the time reached (s), about four times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.
@@ -75,7 +77,7 @@ def simulate(
         FmuError, WiringError, ScheduleError: refused before anything ran.
         SimulationError: the run failed; rows until then are readable.
     """
-    timetable = plan(system)
+    timetable = timetable or plan(system)
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)

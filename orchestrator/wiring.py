@@ -10,24 +10,17 @@ parameters that are not numbers or cannot be set.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import groupby
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu import Dtype, FmuDescription, FmuVariable
+from orchestrator.places import Copy
 from orchestrator.ports import Affine, Port, connection, ports
 from orchestrator.start_values import start_values
 from orchestrator.system import Component, Fault, Kind, System, split_name
 from orchestrator.unit import Unit, unit_of
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
-
-
-@dataclass(frozen=True)
-class Copy:
-    """vector[sink] = gain * vector[source] + offset."""
-
-    source: int
-    sink: int
-    affine: Affine
 
 
 @dataclass(frozen=True)
@@ -69,6 +62,16 @@ class Part:
         return sum(v.size for v in self.read)
 
     @property
+    def spans(self) -> tuple[tuple[int, int], ...]:
+        """First place and end, from ``raw`` on, of the doubles among what is read."""
+        spans, first = [], 0
+        for doubles, same in groupby(self.read, key=lambda v: v.dtype == "float64"):
+            end = first + sum(v.size for v in same)
+            spans += [(first, end)] if doubles else []
+            first = end
+        return tuple(spans)
+
+    @property
     def input_size(self) -> int:
         return sum(v.size for v in self.inputs)
 
@@ -82,6 +85,7 @@ class Faulty:
 
     edge: Edge
     place: int
+    dtype: Dtype
     affine: Affine
     faults: tuple[Fault, ...]
 
@@ -94,6 +98,7 @@ class Column:
     unit: Unit
     index: int
     affine: Affine
+    dtype: Dtype = "float64"
 
 
 @dataclass(frozen=True)
@@ -183,8 +188,8 @@ def _faulty(
                     f"{where}: {port.full_name} is {port.variable.sort}, which has no "
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
-            place = layout.input_at[key] + port.element
-            yield Faulty(edge, place, port.to_theirs, faults)
+            place, dtype = layout.input_at[key] + port.element, port.variable.dtype
+            yield Faulty(edge, place, dtype, port.to_theirs, faults)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
@@ -369,6 +374,9 @@ class _Layout:
                 self.read_at[name, s.variable.name] + s.element,
                 self.input_at[t.component, t.variable.name] + t.element,
                 affine,
+                s.variable.dtype,
+                t.variable.dtype,
+                f"{s.full_name} -> {t.full_name}",
             )
             for s, t, affine in self.links
             if s.component == name
@@ -390,8 +398,9 @@ class _Layout:
     def column(self, port: Port) -> Column:
         key = (port.component, port.variable.name)
         index = self.input_at[key] if key in self.input_at else self.read_at[key]
+        place, dtype = index + port.element, port.variable.dtype
         unit = port.unit or unit_of("1")
-        return Column(port.full_name, unit, index + port.element, port.to_ours)
+        return Column(port.full_name, unit, place, port.to_ours, dtype)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:

@@ -123,7 +123,7 @@ def test_a_number_that_does_not_fit_an_integer_is_refused_alike(
             simulate(given, tmp_path, executor=executor)
         texts.append(str(caught.value))
     assert texts[0] == texts[1]
-    assert f"set Int8 (in_Int8, ...) at t = {when}, which does not fit" in texts[0]
+    assert f"set Int8 (in_Int8, ...) at t = {when}, but takes whole numbers" in texts[0]
 
 
 def test_without_a_compiler_python_takes_over_with_a_warning(

@@ -108,7 +108,7 @@ def test_the_split_cascade_is_the_composite_to_the_last_bit(co_simulated: Co) ->
 
 
 def test_every_figure_of_the_study_keeps_its_acceptance(tmp_path: Path) -> None:
-    figures = reproduce(STUDY, processes=1, runs=tmp_path).figures
+    figures = reproduce(STUDY, processes=1, folder=tmp_path).figures
     assert [f.spec.id for f in figures if f.regression == "FAILED"] == []
     matched = {f.spec.id for f in figures if f.verdict == "agrees"}
     table_2 = {f"{c}.{f}.max_error" for c in ("p_pi", "np_pi") for f in FREQUENCIES}

@@ -73,7 +73,7 @@ def test_run_prints_figures_with_units_and_where_they_are(feeddrive, drive):
     assert result.exit_code == 0, result.output
     assert "x.peak" in result.stdout
     assert "deg" in result.stdout
-    assert Path("runs/drive/scenario.lock.toml").is_file()
+    assert Path("runs/drive/1/scenario.lock.toml").is_file()
 
 
 def test_an_expectation_that_is_not_met_fails_the_run_as_written(feeddrive, drive):
