@@ -10,7 +10,7 @@ from fmus.units import UnitError
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.metrics import Parameters, unit_doubts
 from orchestrator.evaluation.schema import Expectation, Factor, MetricSpec
-from orchestrator.fmu import FmuDescription
+from orchestrator.fmu.description import FmuDescription
 from orchestrator.quantity import Quantity, parse_quantity
 from orchestrator.scenario.schema import Specification
 from orchestrator.system import split_name

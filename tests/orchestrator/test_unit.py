@@ -16,8 +16,8 @@ from orchestrator.evaluation.compare import change
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import ErrorMetric, Expectation, PlainMetric
-from orchestrator.fmu import FmuVariable, read_fmu
-from orchestrator.ports import connection, ports
+from orchestrator.fmu.description import FmuVariable, read_fmu
+from orchestrator.fmu.ports import connection, ports
 from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
 from orchestrator.system import Component, Mapped
