@@ -134,6 +134,11 @@ def _with_period(model: Model, period: Fraction | None) -> Model:
             f"{model.name} is continuous and has no period: it takes any step; "
             f"its longest substep is h_max = {model.h_max} s"
         )
+    if model.period_fixed and period != model.period:
+        raise BuildError(
+            f"{model.name} is sampled every {model.period} s alone, which its numbers "
+            f"are designed for: a period of {period} s takes another design"
+        )
     return replace(model, period=period)
 
 

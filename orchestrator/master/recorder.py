@@ -86,6 +86,13 @@ class Recorder:
                 raise _full(table.path.with_suffix(".parquet"), error) from None
 
 
+def _about(column: Column) -> dict[str, str]:
+    """Return a column's metadata: its unit, and the instants it is published at."""
+    published = column.published
+    about = column.unit.metadata()
+    return about | ({"published": str(published)} if published else {})
+
+
 class Table:
     """Rows of one period: ``time`` (s, CHUNK) and ``values`` (columns, CHUNK).
 
@@ -102,7 +109,7 @@ class Table:
         fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
         for c in columns:
             kind = pa.float64() if c.affine.converts else getattr(pa, c.dtype)()
-            fields.append(pa.field(c.name, kind, metadata=c.unit.metadata()))
+            fields.append(pa.field(c.name, kind, metadata=_about(c)))
         self._pa, self._schema = pa, pa.schema(fields)
         self._dtypes = [np.dtype(c.dtype) for c in columns]
         self._file = path.open("wb")
