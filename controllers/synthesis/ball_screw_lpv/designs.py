@@ -93,7 +93,7 @@ def _made(problem: Problem, names: list[str], files: list[str]) -> dict[str, Any
 def _k_track() -> dict[str, Any]:
     plant, found = tracking_plant(), k_track.design()
     weights = {"W_e": k_track.W_E, "W_v": k_track.W_V, "delta": k_track.DELTA}
-    made = linear.linear(plant, found.K, k_vib.T_S, 1e-3)
+    made = linear.linear(found.K, k_vib.T_S)
     return {"k_track.json": linear.contents(made, plant, found.gamma, weights)}
 
 
@@ -104,7 +104,7 @@ def _k_track_damped() -> dict[str, Any]:
     found = k_track.design(W_v=DAMPED_W_V, plant=G, fastest=6e4)
     plant = k_track.plant_with_weights(W_v=DAMPED_W_V, plant=G)
     weights = {"W_e": k_track.W_E, "W_v": DAMPED_W_V, "delta": k_track.DELTA}
-    made = linear.linear(plant, found.K, k_vib.T_S, 1e-3)
+    made = linear.linear(found.K, k_vib.T_S)
     return {"k_track_damped.json": linear.contents(made, plant, found.gamma, weights)}
 
 

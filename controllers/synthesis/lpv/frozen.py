@@ -17,6 +17,7 @@ from controllers.synthesis.lpv.h_infinity import optimum, riccati
 from controllers.synthesis.lpv.problem import PlantAt, Values
 from controllers.synthesis.lpv.systems import Matrix
 
+ROUNDING = 1e-15
 BACK_OFF = 1.5  # of γ for the Riccati solutions: at the optimum they degenerate
 
 
@@ -54,10 +55,18 @@ def balanced(
 def balancing(P: Matrix, Q: Matrix) -> Matrix:
     """Return T with T'PT = T⁻¹QT⁻' diagonal, for positive definite P and Q.
 
-    The largest entry of each column is positive: T is unique but for equal entries.
+    What is lost in rounding counts as just above it.  The largest entry of each
+    column is positive: T is unique but for equal entries.
     """
-    L = np.linalg.cholesky((Q + Q.T) / 2)
-    squares, U = np.linalg.eigh(L.T @ (P + P.T) / 2 @ L)
-    T = L @ U * squares**-0.25
+    L, _ = _root(Q)
+    U, size = _root(L.T @ P @ L)
+    T = L @ U / size**1.5
     largest = T[np.argmax(np.abs(T), axis=0), range(len(T))]
     return np.asarray(T * np.sign(largest))
+
+
+def _root(Q: Matrix) -> tuple[Matrix, Matrix]:
+    """Return L with LL' = Q from its eigenvectors, and the sizes of its columns."""
+    square, U = np.linalg.eigh((Q + Q.T) / 2)
+    size = np.sqrt(np.maximum(square, ROUNDING * square[-1]))
+    return U * size, size

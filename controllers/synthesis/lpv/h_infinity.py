@@ -179,16 +179,3 @@ def stabilising(A: Matrix, B: Matrix, Q: Matrix, R: Matrix, S: Matrix) -> Matrix
         raise ValueError("the Hamiltonian has eigenvalues on the imaginary axis")
     X = np.linalg.solve(U[:n, :n].T, U[n:, :n].T)
     return np.asarray((X + X.T) / 2)
-
-
-def bounded_real(loop: System, gamma: float) -> Matrix:
-    """Return P of A'P + PA + C'C/γ + (PB + C'D/γ)(γI - D'D/γ)⁻¹(...)' = 0.
-
-    It certifies any gain above gamma for a stable loop of smaller norm.
-
-    Raises:
-        ValueError: the norm is gamma or more.
-    """
-    R = loop.D.T @ loop.D / gamma - gamma * np.eye(loop.D.shape[1])
-    Q, S = loop.C.T @ loop.C / gamma, loop.C.T @ loop.D / gamma
-    return stabilising(loop.A, loop.B, Q, R, S)
