@@ -32,12 +32,15 @@ typedef void Log(void *environment, void (*callback)(void), const char *instance
 
 struct Component {
     Simulation simulation;
-    char *name;
+    const char *name;
     int model_exchange, logging;
     Log *log; /* hands a message to the importer's callback */
     void (*callback)(void);
     void *environment;
 };
+
+/* What FMI calls an instance. */
+#define OF(instance) ((Component *)(instance))
 
 /* Create an instance, or log why not and return NULL. */
 Component *component_new(const char *name, const char *token, int model_exchange,
@@ -53,6 +56,9 @@ int component_refuse(Component *c, const char *format, ...);
 /* Tell whether function may be called now; log why not. */
 int component_may(Component *c, const char *function, int phases);
 
+/* Tell whether there is an array if it is to have elements; log that it is NULL. */
+int component_given(Component *c, const char *function, size_t n, const void *array);
+
 int component_set_logging(Component *c, const char *function, int on,
                           size_t n, const char *const categories[]);
 
@@ -60,6 +66,10 @@ int component_set_logging(Component *c, const char *function, int on,
 int component_set_times(Component *c, const char *function, double start,
                         double stop);
 int component_exit_initialization(Component *c, const char *function);
+
+/* Make room for a dead time of tau (s) of delay i; returns 0 if there is none. */
+int component_reserve(Component *c, const char *function, unsigned i, double tau);
+
 int component_move(Component *c, const char *function, int from, int to);
 int component_reset(Component *c, const char *function);
 
@@ -91,7 +101,8 @@ const double *component_values(Component *c);
 int component_no_type(Component *c, const char *function, size_t n,
                       unsigned reference);
 
-/* Model exchange. */
+/* Model exchange; the states of a sampled model are none of its. */
+unsigned component_continuous_states(void);
 int component_set_states(Component *c, const char *function, const double *x,
                          size_t n);
 int component_get_block(Component *c, const char *function, unsigned first,

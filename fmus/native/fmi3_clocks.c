@@ -11,12 +11,17 @@
 
 #define M feeddrive_model
 
-static int may(Component *c, const char *function, int phases,
-               const fmi3ValueReference references[], size_t n) {
-    if (!component_may(c, function, phases))
+/* Tell whether the references are clocks, each with a place in two more arrays. */
+static int may_clock(Component *c, const char *function, int phases,
+               const fmi3ValueReference references[], size_t n, const void *one,
+               const void *other) {
+    if (!component_may(c, function, phases) ||
+        !component_given(c, function, n, references) ||
+        !component_given(c, function, n, one) ||
+        !component_given(c, function, n, other))
         return 0;
     for (size_t i = 0; i < n; i++) {
-        if (!M.continuous && references[i] == M.size)
+        if (M.clock && references[i] == M.size)
             continue;
         if (references[i] < M.size)
             component_no_type(c, function, 1, references[i]);
@@ -31,19 +36,21 @@ static int may(Component *c, const char *function, int phases,
 fmi3Status fmi3GetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, fmi3Clock values[]) {
-    Component *c = instance;
-    if (!may(c, "fmi3GetClock", ANY, valueReferences, nValueReferences))
+    Component *c = OF(instance);
+    if (!may_clock(c, "fmi3GetClock", ANY, valueReferences, nValueReferences, values,
+             values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
-        values[i] = c->simulation.state->ticking != 0;
+        values[i] = c->simulation.state.ticking != 0;
     return fmi3OK;
 }
 
 fmi3Status fmi3SetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, const fmi3Clock values[]) {
-    Component *c = instance;
-    if (!may(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences))
+    Component *c = OF(instance);
+    if (!may_clock(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences, values,
+             values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
         simulation_activate(&c->simulation, values[i]);
@@ -54,8 +61,8 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
                                   const fmi3ValueReference valueReferences[],
                                   size_t nValueReferences, fmi3Float64 intervals[],
                                   fmi3IntervalQualifier qualifiers[]) {
-    if (!may(instance, "fmi3GetIntervalDecimal", ANY, valueReferences,
-             nValueReferences))
+    if (!may_clock(OF(instance), "fmi3GetIntervalDecimal", ANY, valueReferences,
+             nValueReferences, intervals, qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         intervals[i] = (double)M.period_num / (double)M.period_den;
@@ -69,8 +76,10 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
                                    size_t nValueReferences, fmi3UInt64 counters[],
                                    fmi3UInt64 resolutions[],
                                    fmi3IntervalQualifier qualifiers[]) {
-    if (!may(instance, "fmi3GetIntervalFraction", ANY, valueReferences,
-             nValueReferences))
+    if (!may_clock(OF(instance), "fmi3GetIntervalFraction", ANY, valueReferences,
+             nValueReferences, counters, resolutions) ||
+        !component_given(OF(instance), "fmi3GetIntervalFraction", nValueReferences,
+                         qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         counters[i] = (fmi3UInt64)M.period_num;
@@ -83,7 +92,8 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
 fmi3Status fmi3GetShiftDecimal(fmi3Instance instance,
                                const fmi3ValueReference valueReferences[],
                                size_t nValueReferences, fmi3Float64 shifts[]) {
-    if (!may(instance, "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences))
+    if (!may_clock(OF(instance), "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences,
+             shifts, shifts))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
         shifts[i] = 0.0;
@@ -94,8 +104,8 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
                                 const fmi3ValueReference valueReferences[],
                                 size_t nValueReferences, fmi3UInt64 counters[],
                                 fmi3UInt64 resolutions[]) {
-    if (!may(instance, "fmi3GetShiftFraction", ANY, valueReferences,
-             nValueReferences))
+    if (!may_clock(OF(instance), "fmi3GetShiftFraction", ANY, valueReferences,
+             nValueReferences, counters, resolutions))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         counters[i] = 0;
@@ -105,11 +115,11 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
 }
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return component_leave_events(instance, "fmi3EnterStepMode");
+    return (fmi3Status)component_leave_events(OF(instance), "fmi3EnterStepMode");
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return component_enter_events(instance, "fmi3EnterEventMode");
+    return (fmi3Status)component_enter_events(OF(instance), "fmi3EnterEventMode");
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
@@ -119,8 +129,16 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
                                     fmi3Boolean *valuesOfContinuousStatesChanged,
                                     fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime) {
+    const char *function = "fmi3UpdateDiscreteStates";
+    if (!component_may(OF(instance), function, EVENT) ||
+        !component_given(OF(instance), function, 1, discreteStatesNeedUpdate) ||
+        !component_given(OF(instance), function, 1, terminateSimulation) ||
+        !component_given(OF(instance), function, 1, nominalsOfContinuousStatesChanged) ||
+        !component_given(OF(instance), function, 1, valuesOfContinuousStatesChanged) ||
+        !component_given(OF(instance), function, 1, nextEventTimeDefined))
+        return fmi3Error;
     *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
     *nextEventTimeDefined = fmi3False;
-    return component_update(instance, "fmi3UpdateDiscreteStates");
+    return (fmi3Status)component_update(OF(instance), function);
 }

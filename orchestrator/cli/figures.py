@@ -1,0 +1,169 @@
+"""How ``reproduce`` prints a study: counts first, then its tables, then single figures.
+
+A table of the source keeps its rows and columns; each cell has the published figure
+and ours side by side, ours with a mark for its verdict.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+
+import typer
+
+from orchestrator.cli.output import print_table
+from orchestrator.reproduction.published import Statement, Verdict
+from orchestrator.reproduction.reproduce import Reproduction
+from orchestrator.reproduction.table import Table
+from orchestrator.reproduction.verdict import CLASSES, MEANING, Figure, summary
+
+MARKS: dict[Verdict, str] = {
+    "agrees": "=",
+    "differs": "/=",
+    "contradicts": "!",
+    "computed": ".",
+    "out of reach": "?",
+}
+
+
+def print_reproduction(study: str, done: Reproduction) -> None:
+    """Print counts, then published and own figures side by side, and the reasons."""
+    _print_counts(study, done)
+    figures = {figure.spec.id: figure for figure in done.figures}
+    agreement = done.reference.agreement
+    for table in done.reference.tables:
+        inside = [figures.pop(name) for name in _ids(table) if name in figures]
+        if inside:
+            _print_source_table(table, {f.spec.id: f for f in inside})
+            _print_notes(inside, agreement)
+    if figures:
+        typer.echo("\nsingle figures")
+        _print_single(list(figures.values()), agreement)
+        _print_notes(list(figures.values()), agreement)
+
+
+def _print_counts(study: str, done: Reproduction) -> None:
+    counted = summary(done.figures)
+    typer.echo(f"{study}: {done.reference.title}\n{done.reference.source}")
+    rows = []
+    for verdict, meaning in MEANING.items():
+        of = counted["verdicts"][verdict]
+        numbers = [str(of[kind] or "") for kind in CLASSES]
+        mark = MARKS[verdict]
+        rows.append([mark, verdict, *numbers, str(sum(of.values())), meaning])
+    head = ["", "verdict", *(f">{kind}" for kind in CLASSES), ">all", "means"]
+    print_table(head, rows)
+    regression = counted["regression"]
+    typer.echo(
+        f"{counted['figures']} figures; a number agrees within "
+        f"{100 * done.reference.agreement:g} % where no other agreement is shown; "
+        "in tables ours stand right of the published\n"
+        f"regression against our own acceptance values: {regression['holds']} hold, "
+        f"{regression['FAILED']} FAILED, {regression['not expected']} without one"
+    )
+
+
+def _ids(table: Table) -> list[str]:
+    return [name for row in table.ids for cell in row for name in cell if name]
+
+
+def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
+    """Print a table as the source lays it out."""
+    specs = [figure.spec for figure in figures.values()]
+    units = {spec.unit for spec in specs}
+    one_unit = _unit(next(iter(units))) if len(units) == 1 else ""
+    published = {str(spec.obtained) for spec in specs if spec.published is not None}
+    classes = {spec.class_ for spec in specs}
+    told = (one_unit, ", ".join(sorted(published)), ", ".join(sorted(classes)))
+    where = f"{table.where}: " * (table.where != "-")
+    typer.echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
+    rows = []
+    for name, line in zip(table.rows, table.ids, strict=True):
+        found = [[figures.get(one or "") for one in cell] for cell in line]
+        if not any(figure for cell in found for figure in cell):
+            continue
+        cells = [
+            text
+            for cell in found
+            for text in _cell(cell, with_unit=len(units) > 1, ways=len(table.ours))
+        ]
+        rows.append([name, *cells])
+    print_table(["", *_heads(table)], rows)
+
+
+def _heads(table: Table) -> list[str]:
+    heads = []
+    for column in table.columns:
+        heads += [f">{column}", *(f">{way}" for way in table.ours)]
+    return heads
+
+
+def _cell(found: Sequence[Figure | None], *, with_unit: bool, ways: int) -> list[str]:
+    first = next((figure for figure in found if figure is not None), None)
+    if first is None:
+        return [""] * (1 + ways)
+    unit = f" {_unit(first.spec.unit)}".rstrip() if with_unit else ""
+    published = _published(first)
+    return [published and published + unit, *(_ours(figure) for figure in found)]
+
+
+def _ours(figure: Figure | None) -> str:
+    if figure is None:
+        return ""
+    failed = " FAILED" if figure.regression == "FAILED" else ""
+    value = "" if figure.value is None else f"{figure.value:.4g} "
+    return f"{value}{MARKS[figure.verdict]:<2}{failed}"
+
+
+def _print_single(figures: Iterable[Figure], agreement: float) -> None:
+    rows = []
+    for f in figures:
+        difference = ""
+        if f.difference is not None:
+            difference = f"{f.difference:+.3g}"
+            if isinstance(f.spec.published, float) and f.spec.published:
+                difference += f" ({100 * f.difference / f.spec.published:+.1f} %)"
+        ours = "" if f.value is None else f"{f.value:.6g}"
+        own = "" if f.agreement == agreement else f" within {100 * f.agreement:g} %"
+        kind = f"{f.spec.class_}, {f.spec.obtained}" * (f.spec.published is not None)
+        row = [f.spec.id, f.spec.where, _published(f), ours, _unit(f.spec.unit)]
+        verdict = f.verdict + own * (f.verdict in ("agrees", "differs"))
+        regression = f.regression or ""
+        rows.append([*row, difference, kind or f.spec.class_, verdict, regression])
+    head = ["figure", "where", ">published", ">ours", "unit", ">difference"]
+    print_table([*head, "class, obtained", "verdict", "regression"], rows)
+
+
+def _print_notes(figures: Sequence[Figure], agreement: float) -> None:
+    """Print each reason once, with the figures it is given for."""
+    notes: dict[str, list[str]] = {}
+    for figure in figures:
+        if figure.why:
+            notes.setdefault(figure.why, []).append(figure.spec.id)
+        if figure.agreement != agreement:
+            text = f"judged within {100 * figure.agreement:g} %"
+            notes.setdefault(text, []).append(figure.spec.id)
+    for text, names in notes.items():
+        of = "" if len(names) == len(figures) > 1 else f"{_shortened(names)}: "
+        typer.echo(f"  {of}{text}")
+
+
+def _shortened(names: Sequence[str]) -> str:
+    """Return ids with what neighbours share said once: ``a.b.c, .d``."""
+    parts = []
+    for stem, group in groupby(names, lambda name: name.rpartition(".")[0]):
+        endings = [name.removeprefix(stem) for name in group]
+        parts.append(stem + ", ".join(endings))
+    return ", ".join(parts)
+
+
+def _published(figure: Figure) -> str:
+    published = figure.spec.published
+    if published is None or isinstance(published, str):
+        return published or ""
+    if isinstance(published, Statement):
+        said = f' "{published.says}"' if published.says else ""
+        return f"{published}{said}"
+    return f"{published:.6g}"
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit
