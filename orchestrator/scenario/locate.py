@@ -12,7 +12,7 @@ from orchestrator.errors import ScenarioError
 from orchestrator.fmu import read_fmu
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
-from orchestrator.system import Component, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 
 
 @dataclass(frozen=True)
@@ -89,4 +89,6 @@ def component_of(
             float(spec.answer_within),
             spec.memory_limit,
         ),
+        experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
+        split=spec.split,
     )

@@ -62,7 +62,8 @@ static void run(int major, int clocked) {
                      CLOCK_REFERENCE};
     Copy copy = {v, v + 2, 0.5, 1.0, F64, F64};
     Span span = {0, 1};
-    Part part = {.instance = it,
+    Outcome outcome = {0};
+    Part part = {.instance = it, .outcome = &outcome,
                  .do_step = major == 2 ? (Function *)fmi2DoStep : (Function *)fmi3DoStep,
                  .clock = &clock, .inputs = &in, .outputs = &out, .n_inputs = 1,
                  .n_outputs = 1, .copies = &copy, .n_copies = 1, .n_doubles = 1,
