@@ -15,7 +15,7 @@ from lxml import etree
 
 from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
-from fmus.closure import OWN_PACKAGES, data_files, is_file, module_name
+from fmus.closure import data_files, is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -28,6 +28,7 @@ from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.model import Continuous, Model
 from fmus.native_source import adapter_sources, native_sources, source_names
+from fmus.own import OWN_PACKAGES
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,

@@ -19,18 +19,18 @@ from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate, refuse_unit
+from orchestrator.folders.temporary import temporary_folder
 from orchestrator.history.folder import Begun, RunFolder, taken
 from orchestrator.outcome import Run
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
 from orchestrator.scenario.reading import Scenario, load_scenario
-from orchestrator.temporary import temporary_folder
 from orchestrator.warned import collecting
 
 if TYPE_CHECKING:
-    from orchestrator.simulate import Choice
-    from orchestrator.timetable import Timetable
+    from orchestrator.master.simulate import Choice
+    from orchestrator.master.timetable import Timetable
 
 Progress = Callable[[Fraction], None]
 Also = Callable[[Run], Mapping[str, Any]]
@@ -83,7 +83,7 @@ def execute(
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
     """
-    from orchestrator.simulate import plan
+    from orchestrator.master.simulate import plan
 
     refuse_metrics(composition)
     timetable = plan(composition.system)
@@ -116,7 +116,7 @@ def _evaluated(
     *,
     profile: bool,
 ) -> Run:
-    from orchestrator.simulate import simulate
+    from orchestrator.master.simulate import simulate
 
     spec, parameter = composition.scenario.spec, composition.parameter
     try:

@@ -22,7 +22,7 @@ from orchestrator.evaluation.compare import number
 from orchestrator.quantity import NoValue, rate, time_text
 
 if TYPE_CHECKING:
-    from orchestrator.ages import Plan
+    from orchestrator.master.ages import Plan
     from orchestrator.outcome import Run
     from orchestrator.profile import Profile
 
@@ -138,7 +138,7 @@ def schedule(
     verbose: Verbose = False,
 ) -> None:
     """Show who steps when and in which order, and every hold, delay and age."""
-    from orchestrator.ages import describe_schedule
+    from orchestrator.master.ages import describe_schedule
     from orchestrator.scenario.compose import compose
     from orchestrator.session import naming, run_earlier
 

@@ -11,7 +11,7 @@ the user names::
     ended.json                why a run failed or who interrupted it
     metrics.json              written last, by rename: the run is complete
 
-It is held (``orchestrator.held``) while the run is under way.  A run that was
+It is held (``orchestrator.folders.held``) while the run is under way.  A run that was
 refused before anything was recorded leaves no folder.
 """
 
@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from orchestrator.errors import FeedDriveError, Interrupted, ScenarioError
-from orchestrator.held import LOCK as HELD
-from orchestrator.held import held
+from orchestrator.folders.held import LOCK as HELD
+from orchestrator.folders.held import held
 from orchestrator.result import reached
 
 RUNS = Path("runs")

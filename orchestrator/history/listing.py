@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.held import is_held
+from orchestrator.folders.held import is_held
 from orchestrator.history.folder import BEGUN, ENDED, FORMAT_FILE, METRICS
 from orchestrator.result import reached
 

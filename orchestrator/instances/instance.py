@@ -20,9 +20,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import kernel_library as c
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
 from orchestrator.instances.logs import (
@@ -31,6 +30,7 @@ from orchestrator.instances.logs import (
     callbacks,
     log_errors_only,
 )
+from orchestrator.native import library as c
 
 
 class Instance(Protocol):

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from orchestrator.errors import WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription
-from orchestrator.ports import ports
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import ports
 from orchestrator.scenario.schema import Specification
 from orchestrator.system import Component, Value, split_name
 

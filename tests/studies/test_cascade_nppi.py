@@ -148,7 +148,7 @@ def test_a_disturbance_meets_the_loop_of_equation_8(
         .replace("amplitude = 10e-3", "amplitude = 0")
         .replace("[connections]", '[connections]\n"plant.d" = "force.d"')
         .partition("[metrics]")[0]
-        + '[components.force]\nfmu = "plants.excitation"\nstep = "40 kHz"\n'
+        + '[components.force]\nfmu = "plants.disturbances.sine"\nstep = "40 kHz"\n'
         "parameters = { A = 0.1, f_hz = 5 }\n"
     )
     found = run(file, tmp_path / "run", report=False)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.synthesis import gantry_identification
+from controllers.synthesis.gantry import identification as gantry_identification
 from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.scenario.reading import load_scenario

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import Interrupted, ScenarioError, SimulationError
-from orchestrator.held import held, is_held
+from orchestrator.folders.held import held, is_held
 from orchestrator.history.folder import RUNS, Begun, taken
 from orchestrator.history.listing import entries, find, remove
 from orchestrator.result import Result
@@ -22,7 +22,7 @@ from orchestrator.result import Result
 SNAP = """
 stop = "0.02"
 [components.snap]
-fmu = "plants.rope_snap"
+fmu = "plants.disturbances.rope_snap"
 parameters = { t_0 = 0 }
 [record]
 "snap.d_2" = "20 kHz"
