@@ -83,7 +83,10 @@ class Continuous:
 
 @dataclass(frozen=True)
 class Sampled:
-    """A controller: difference equations run every ``period`` seconds."""
+    """A controller: difference equations run every ``period`` seconds.
+
+    ``period_fixed``: its numbers hold for this period alone, another is refused.
+    """
 
     name: str
     step: Callable[..., Any]
@@ -92,6 +95,7 @@ class Sampled:
     parameters: Record
     period: Fraction = Fraction(1, 1000)
     prepare: Callable[..., Any] | None = None
+    period_fixed: bool = False
 
 
 Model: TypeAlias = Continuous | Sampled

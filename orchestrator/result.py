@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FmuError, did_you_mean
+from orchestrator.instants import Instants
 from orchestrator.profile import Profile
 
 if TYPE_CHECKING:
@@ -18,12 +20,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Signal:
-    """One recorded variable: ``time`` (s) and ``values``, both (n,), and its unit."""
+    """One recorded variable: ``time`` (s) and ``values``, both (n,), and its unit.
+
+    Rows between the instants at which it is ``published`` repeat the last value;
+    None is for what does not change, or is not known.
+    """
 
     name: str
     time: NDArray[np.float64]
     values: NDArray[np.float64]
     unit: str
+    published: Instants | None = None
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.values, dtype=dtype, copy=copy)
@@ -70,18 +77,27 @@ class End:
 class Result(Mapping[str, Signal]):
     """Recorded signals by name, read from the files of a run as they are asked for.
 
-    ``result["plant.x_2"]`` is a ``Signal``.  ``folder`` holds the tables;
-    ``timing`` is None when a result is opened again later.  ``ended`` says how an
-    FMU ended the run before its stop, if one did.
+    ``result["plant.x_2"]`` is a ``Signal``, at its highest rate if there are several.
+    ``folder`` holds the tables; ``timing`` is None when a result is opened again.
+    ``ended`` says how an FMU ended the run before its stop, if one did.
     """
 
     def __init__(
-        self, folder: Path, timing: Timing | None = None, ended: End | None = None
+        self,
+        folder: Path,
+        timing: Timing | None = None,
+        ended: End | None = None,
+        *,
+        period: Fraction | None = None,
     ) -> None:
         self.folder = Path(folder)
         self.timing = timing
         self.ended = ended
-        self._columns = _columns(self.folder)
+        self._columns = _columns(self.folder, period)
+
+    def at(self, period: Fraction) -> "Result":
+        """Return what was recorded with that row period (s) alone."""
+        return Result(self.folder, self.timing, self.ended, period=period)
 
     def __getitem__(self, name: str) -> Signal:
         try:
@@ -92,7 +108,14 @@ class Result(Mapping[str, Signal]):
             ) from None
         table = _read(file, ["time", name])
         unit = table.schema.field(name).metadata[b"unit"].decode()
-        return Signal(name, _numbers(table["time"]), _numbers(table[name]), unit)
+        published = table.schema.field(name).metadata.get(b"published")
+        return Signal(
+            name,
+            _numbers(table["time"]),
+            _numbers(table[name]),
+            unit,
+            published and Instants.read(published.decode()),
+        )
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
@@ -105,7 +128,7 @@ class Result(Mapping[str, Signal]):
 
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Return one data frame per row rate, indexed by time (needs pandas)."""
-        files = dict.fromkeys(self._columns.values())
+        files = _files(self.folder / "result")
         return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
 
 
@@ -121,17 +144,24 @@ def reached(folder: Path) -> float | None:
     return max((t for t in ends if t is not None), default=None)
 
 
-def _columns(folder: Path) -> dict[str, Path]:
-    """Return which file holds each recorded variable."""
+def _columns(folder: Path, only: Fraction | None = None) -> dict[str, Path]:
+    """Return which file holds each recorded variable, its shortest period first."""
     tables = folder / "result"
     if not tables.is_dir():
         raise FmuError(f"{folder}: holds no run: there is no folder result in it")
-    columns = {}
-    for file in _files(tables):
+    columns: dict[str, Path] = {}
+    for file in sorted(_files(tables), key=_period):
+        if only not in (None, _period(file)):
+            continue
         for name in _schema(file).names:
             if name != "time":
-                columns[name] = file
+                columns.setdefault(name, file)
     return columns
+
+
+def _period(file: Path) -> Fraction:
+    """Return the period that ``every_<n>_<d>_s`` says."""
+    return Fraction(*map(int, file.stem.split("_")[1:3]))
 
 
 def _files(tables: Path) -> list[Path]:

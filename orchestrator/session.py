@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from fmus.units import UnitError
 from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
+from orchestrator.evaluation.compared import refuse_apart
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate, refuse_unit
@@ -87,6 +88,7 @@ def execute(
 
     refuse_metrics(composition)
     timetable = plan(composition.system)
+    _refuse_apart(composition, timetable)
     refuse_own_folder(folder, composition)
     with taken(folder, _begun(composition), overwrite=overwrite) as place:
         write_lock(composition, place.path)
@@ -99,6 +101,15 @@ def execute(
             write_report([done], place.path / "report.html")
         place.complete({**done.summary(), **also(done)})
     return done
+
+
+def _refuse_apart(composition: Composition, timetable: "Timetable") -> None:
+    tables, stop = timetable.wiring.tables, composition.system.stop
+    for name, metric in composition.scenario.spec.metrics.items():
+        try:
+            refuse_apart(metric, tables, stop)
+        except ScenarioError as error:
+            raise ScenarioError(f"metrics.{name}: {error}") from None
 
 
 def _begun(composition: Composition) -> Begun:

@@ -14,6 +14,7 @@ from typing import TypeAlias
 from orchestrator.fmu.description import Dtype, FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, Port
 from orchestrator.fmu.start_values import start_values
+from orchestrator.instants import Instants
 from orchestrator.master.places import Copy
 from orchestrator.system import Component, Fault, Kind, System
 
@@ -95,12 +96,16 @@ class Faulty:
 
 @dataclass(frozen=True)
 class Column:
-    """A recorded number: its name and unit, and where it stands."""
+    """A recorded number: its name and unit, where it stands, when it is published.
+
+    ``published`` is None for what does not change.
+    """
 
     name: str
     unit: str
     index: int
     affine: Affine
+    published: Instants | None
     dtype: Dtype = "float64"
 
 
@@ -139,6 +144,9 @@ class Layout:
         self.inputs: dict[str, tuple[FmuVariable, ...]] = {}
         self.read: dict[str, tuple[FmuVariable, ...]] = {}
         sinks = [t for _, t, _ in links]
+        self.source_of = {
+            (t.component, t.variable.name, t.element): s.component for s, t, _ in links
+        }
         driven = {(t.component, t.variable.name) for t in sinks}
         asked = [p for found in recorded.values() for p in found]
         wanted = [s for s, _, _ in links]
@@ -211,7 +219,19 @@ class Layout:
         else:
             index = self.read_at[key]
         place, dtype = index + port.element, port.variable.dtype
-        return Column(port.full_name, port.unit or "1", place, affine, dtype)
+        unit, published = port.unit or "1", self._published(port)
+        return Column(port.full_name, unit, place, affine, published, dtype)
+
+    def _published(self, port: Port) -> Instants | None:
+        """Return when a value changes: an input when its source is published."""
+        key = (port.component, port.variable.name, port.element)
+        changes = port.variable.causality != "input"
+        changes &= port.variable.variability not in ("constant", "fixed")
+        owner = self.source_of.get(key, port.component if changes else None)
+        if owner is None:
+            return None
+        component = self.system.components[owner]
+        return Instants(component.period, component.offset)
 
 
 def _variables(component: str, asked: Sequence[Port]) -> tuple[FmuVariable, ...]:

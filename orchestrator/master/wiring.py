@@ -46,8 +46,9 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     )
     tables: dict[Fraction, list[Column]] = {}
     for name, found in recorded.items():
-        columns = tables.setdefault(system.record[name], [])
-        columns.extend(layout.column(port) for port in found)
+        for period in system.record[name]:
+            columns = tables.setdefault(period, [])
+            columns.extend(layout.column(port) for port in found)
     return Wiring(
         system,
         parts,

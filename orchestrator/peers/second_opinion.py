@@ -138,7 +138,7 @@ def _recording(system: System) -> System:
         if _is_output(wiring, column)
     }
     names = sorted(outputs | recorded)
-    return replace(system, record=dict.fromkeys(names, period))
+    return replace(system, record=dict.fromkeys(names, (period,)))
 
 
 def _ours(system: System, component: str, theirs: str) -> str:

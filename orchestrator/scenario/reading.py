@@ -22,10 +22,11 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.evaluation.rates import RateContext
 from orchestrator.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
-from orchestrator.scenario.schema import RateContext, Specification
+from orchestrator.scenario.schema import Specification
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]

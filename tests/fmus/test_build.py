@@ -318,3 +318,10 @@ def test_a_full_disk_is_named_with_the_file_that_was_asked_for(monkeypatch, tmp_
         build(PI, folder=tmp_path / "out")
     assert refusal.value.filename == str(tmp_path / "out" / "SmallPI.fmu")
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_model_whose_numbers_hold_for_one_period_is_built_for_no_other(tmp_path):
+    path = copied(tmp_path, one=("2000), prepare", "2000), prepare, period_fixed=True"))
+    build(path, period=load_model(path).period)
+    with pytest.raises(BuildError, match="sampled every 1/2000 s alone"):
+        build(path, period=Fraction(1, 3000))

@@ -202,7 +202,9 @@ def test_mutated_descriptions(
     scenario.write_text(ALONE)
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
         assert check_fmu(fmu, dynamic=False).to_junit()
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )
 
 
 def ends_in_a_sentence(*arguments: str) -> None:
@@ -282,7 +284,9 @@ def test_mutated_scenarios(place: Path, data: st.DataObject) -> None:
     scenario = place / "mutant.toml"
     scenario.write_text(tomli_w.dumps(raw), encoding="utf-8")
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )
 
 
 @mutants(60)
@@ -294,4 +298,6 @@ def test_garbled_scenarios(place: Path, data: st.DataObject) -> None:
     scenario = place / "mutant.toml"
     scenario.write_bytes(text)
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )

@@ -91,7 +91,8 @@ def test_original_and_swapped_are_printed_and_drawn_together(
     assert "original: plant.x_2" in page
     assert "swapped: plant.x_2" in page
     assert f"plant = {supplied.name}</h1>" in page
-    result = CliRunner().invoke(app, [*arguments, "-o", str(folder), "--json"])
+    again = str(tmp_path / "again")
+    result = CliRunner().invoke(app, [*arguments, "-o", again, "--json"])
     told = json.loads(result.stdout)
     assert told["original"].keys() == told["metrics"].keys()
 

@@ -54,7 +54,10 @@ def test_times_rates_and_rows_are_exact(drive):
     spec = load_scenario(drive).spec
     assert spec.stop == Fraction(1, 2)
     assert spec.components["plant"].step == Fraction(1, 20_000)
-    assert spec.record == {"plant.x_2": Fraction(1, 20_000), "controller.u": None}
+    assert spec.record == {
+        "plant.x_2": (Fraction(1, 20_000),),
+        "controller.u": (None,),
+    }
     assert spec.metrics["lag"].window == (0, Fraction(1, 10))
 
 
