@@ -93,7 +93,8 @@ class Recorder:
 def _about(column: Column) -> dict[str, str]:
     """Return a column's metadata: its unit, and the instants it is published at."""
     published = column.published
-    return {"unit": column.unit} | ({"published": str(published)} if published else {})
+    about = column.unit.metadata()
+    return about | ({"published": str(published)} if published else {})
 
 
 class Table:
