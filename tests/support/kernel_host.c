@@ -1,6 +1,7 @@
 /* Runs kernel.c on an FMU linked into this program: 1000 times create, initialise,
    run 50 instants with a latency line and a table, free.  TOKEN is the FMU's;
    with CLOCKED every fourth instance is ticked by its clock. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "../../orchestrator/native/kernel.c"
 
 #include "fmi2Functions.h"

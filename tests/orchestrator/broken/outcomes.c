@@ -6,6 +6,7 @@
    4 discards and says how far it came, 5 discards and has terminated, 6 discards and
    says nothing.  LOSES: 1 in the set-up, 2 entering, 3 leaving initialisation k is 1
    again.  NEEDS_STOP: it refuses an experiment without one.  TALKS: messages a step. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
 #include <stddef.h>

@@ -17,7 +17,7 @@ from orchestrator.warned import collecting
 
 def simulated(fmu: Path, folder: Path, stop: str = "1/10", **options: object) -> Result:
     component = Component("a", fmu, Fraction("1/100"), **options)  # type: ignore[arg-type]
-    record = {name: Fraction("1/100") for name in ("a.seen", "a.t")}
+    record = {name: (Fraction("1/100"),) for name in ("a.seen", "a.t")}
     return simulate(System("t", Fraction(stop), {"a": component}, {}, record), folder)
 
 

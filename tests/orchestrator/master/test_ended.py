@@ -40,7 +40,7 @@ def simulated(
     one = Component("one", fmu, step, parameters=values, isolation=isolation)
     here = Isolation(process=False)
     other = Component("other", fmu, step / 2, isolation=here)
-    record = {"one.t": step, "other.t": step / 2}
+    record = {"one.t": (step,), "other.t": (step / 2,)}
     parts = {"one": one, "other": other}
     system = System("t", Fraction("1/20"), parts, {}, record)
     return simulate(system, folder, executor=executor)
