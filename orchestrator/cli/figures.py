@@ -75,18 +75,27 @@ def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
     where = f"{table.where}: " * (table.where != "-")
     typer.echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
     head = [""]
-    rows = {ids: [name] for name, ids in zip(table.rows, table.ids, strict=True)}
+    rows = {}
+    for name, ids in zip(table.rows, table.ids, strict=True):
+        inside = [
+            figures[one] for cell in ids for one in cell if one and one in figures
+        ]
+        own = {_unit(figure.spec.unit) for figure in inside}
+        unit = (
+            f" ({', '.join(own)})" if len(own) == 1 < len(units) and own != {""} else ""
+        )
+        rows[ids] = ([name + unit], len(own) > 1)
     for j, column in enumerate(table.columns):
         ways = [
             w for w in range(len(table.ours)) if any(row[j][w] for row in table.ids)
         ]
         head += [f">{column}", *(f">{table.ours[w]}" for w in ways)]
-        for ids, row in rows.items():
+        for ids, (row, with_unit) in rows.items():
             found = [figures.get(ids[j][w] or "") for w in ways]
             first = next((figure for figure in found if figure is not None), None)
-            row.append("" if first is None else _published(first, len(units) > 1))
+            row.append("" if first is None else _published(first, with_unit))
             row += ["" if figure is None else _ours(figure) for figure in found]
-    print_table(head, [row for row in rows.values() if any(row[1:])])
+    print_table(head, [row for row, _ in rows.values() if any(row[1:])])
 
 
 def _ours(figure: Figure) -> str:
