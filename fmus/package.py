@@ -15,7 +15,7 @@ from lxml import etree
 
 from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
-from fmus.closure import OWN_PACKAGES, data_files, is_file, module_name
+from fmus.closure import data_files, is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -28,6 +28,7 @@ from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.model import Continuous, Model
 from fmus.native_source import adapter_sources, native_sources, source_names
+from fmus.own import OWN_PACKAGES
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,
@@ -132,6 +133,11 @@ def _with_period(model: Model, period: Fraction | None) -> Model:
         raise BuildError(
             f"{model.name} is continuous and has no period: it takes any step; "
             f"its longest substep is h_max = {model.h_max} s"
+        )
+    if model.period_fixed and period != model.period:
+        raise BuildError(
+            f"{model.name} is sampled every {model.period} s alone, which its numbers "
+            f"are designed for: a period of {period} s takes another design"
         )
     return replace(model, period=period)
 

@@ -16,7 +16,8 @@ class Run(Result):
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
     ``diverged`` says which signal diverges and when, if one does;
     ``composition`` is the system that ran, with its design results; ``warnings``
-    are what its user has to know of it.
+    are what its user has to know of it, ``number`` is that of its folder if it has
+    one.
     """
 
     def __init__(
@@ -27,6 +28,7 @@ class Run(Result):
         checks: list[Check],
         diverged: str | None = None,
         warnings: tuple[str, ...] = (),
+        number: int | None = None,
     ) -> None:
         super().__init__(result.folder, result.timing)
         self.composition = composition
@@ -34,6 +36,7 @@ class Run(Result):
         self.checks = checks
         self.diverged = diverged
         self.warnings = warnings
+        self.number = number
 
     @property
     def scenario(self) -> Scenario:
@@ -44,6 +47,7 @@ class Run(Result):
         timing = self.timing
         return {
             "scenario": self.scenario.name,
+            "number": self.number,
             "stop": float(self.composition.system.stop),
             "metrics": {
                 name: _summed_up(figure) for name, figure in self.metrics.items()

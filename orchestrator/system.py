@@ -88,7 +88,7 @@ class System:
     """A composition of FMUs over the closed interval [0, stop].
 
     ``connections`` are keyed by the sink, so that no input is driven twice.
-    ``record`` gives the row period of every recorded variable.  ``faults``, by the
+    ``record`` gives the row periods of every recorded variable.  ``faults``, by the
     sink of a connection, act in the order they are written.
     """
 
@@ -96,7 +96,7 @@ class System:
     stop: Fraction
     components: Mapping[str, Component]
     connections: Mapping[str, str]
-    record: Mapping[str, Fraction]
+    record: Mapping[str, tuple[Fraction, ...]]
     faults: Mapping[str, tuple[Fault, ...]] = field(default_factory=dict)
 
 

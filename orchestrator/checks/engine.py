@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from orchestrator.archive import unpacked
 from orchestrator.checks.archive import Archive
 from orchestrator.checks.catalogue import catalogue
 from orchestrator.checks.item import (
@@ -30,6 +29,7 @@ from orchestrator.checks.item import (
 )
 from orchestrator.checks.report import Report
 from orchestrator.errors import FmuError
+from orchestrator.fmu.archive import unpacked
 
 LOADS = 11  # the dynamic item without which no other is tried
 WORKERS = 2

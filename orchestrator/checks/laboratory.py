@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from orchestrator.checks.interface import Kind, load
 from orchestrator.checks.item import CannotRun, NotApplicable
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 
 Row: TypeAlias = NDArray[np.float64]
 

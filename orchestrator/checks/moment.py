@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.checks.laboratory import Instance, Laboratory, Row
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from fmus.units import UnitError, base_unit
 from orchestrator.checks.archive import Archive
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, static
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 PARAMETERS = ("parameter", "structuralParameter")
 SHOWN = 5  # names written out in one finding

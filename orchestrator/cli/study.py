@@ -1,6 +1,5 @@
 """Verbs on the published studies: ``demo``, ``reproduce``."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -26,19 +25,22 @@ COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
 @command
 def demo(json: Json = False, verbose: Verbose = False) -> None:
     """Co-simulate a P-PI cascade and pole placement on one ball-screw drive."""
+    from orchestrator.history.folder import Begun, taken
     from orchestrator.report.page import write_report
     from orchestrator.scenario.reading import load_scenario
 
     set_up_logs(verbose)
-    folder = Path("runs/demo")
-    runs = [
-        simulate(load_scenario(f"{STUDY}/{name}"), folder / name, report=False)
-        for name in COMPARED
-    ]
     title = "Ball-screw drive: pole placement against P-PI cascade"
-    page = write_report(runs, folder / "report.html", title)
+    with taken(None, Begun("demo", "demo")) as place:
+        runs = [
+            simulate(load_scenario(f"{STUDY}/{name}"), place.path / name, report=False)
+            for name in COMPARED
+        ]
+        page = write_report(runs, place.path / "report.html", title)
+        told = {"runs": [done.summary() for done in runs], "report": str(page)}
+        place.complete(told)
     if json:
-        print_json({"runs": [done.summary() for done in runs], "report": str(page)})
+        print_json(told)
         return
     print_comparison(runs, title)
     for done in runs:
@@ -105,7 +107,6 @@ def reproduce(
     """Run a study's scenarios through FMUs and judge them by the published figures."""
     from orchestrator.cli.figures import print_reproduction
     from orchestrator.reproduction.reproduce import reproduce as reproduce_study
-    from orchestrator.reproduction.verdict import summary
 
     set_up_logs(verbose)
     with waiting(f"reproducing {study}"):
@@ -113,9 +114,7 @@ def reproduce(
             study, only, told=lambda name: typer.echo(f"ran {name}", err=True)
         )
     if json:
-        rows = [figure.row() for figure in done.figures]
-        counts = summary(done.figures)
-        print_json({"study": study, "summary": counts, "figures": rows})
+        print_json(done.as_json(study))
     else:
         print_reproduction(study, done)
     if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:

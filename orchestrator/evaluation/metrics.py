@@ -1,7 +1,7 @@
 """Figures of a recorded run, with their units.
 
-Signals are compared row by row at equal times; signals recorded at different
-times are refused, never interpolated.  A figure that this run does not have (it
+Signals are compared row by row at the instants that ``compared`` finds, never
+interpolated.  A figure that this run does not have (it
 never settled, say) is a ``NoValue`` with its reason, and so is one that is too
 large for a number; only what is written wrongly is refused.
 """
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.units import UnitError
-from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.errors import ScenarioError
+from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.motion import (
     contour_error,
     onset,
@@ -130,16 +131,15 @@ def factor(written: Factor, parameter: Parameters) -> Quantity:
 def _figures(
     spec: MetricSpec, signals: Mapping[str, Signal], parameter: Parameters
 ) -> dict[str, Quantity]:
-    taken = {key: _recorded(name, signals) for key, name in spec.signals().items()}
-    of = taken["of"]
+    found = taken(spec, signals)
+    of = found["of"]
     rows = _rows(spec, of)
     time = of.time[rows]
     own = None if isinstance(spec, SineMetric) and spec.against else spec.unit
     values, unit = scaled(spec, of, parameter, own)
     y = values[rows]
     if isinstance(spec, ErrorMetric):
-        against = _beside(of, taken["against"])
-        reference, _ = scaled(spec, against, parameter, unit)
+        reference, _ = scaled(spec, found["against"], parameter, unit)
         return _of_error(reference[rows] - y, unit)
     if isinstance(spec, PlainMetric):
         return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
@@ -151,32 +151,32 @@ def _figures(
         height = in_unit(factor(spec.height, parameter), unit)
         return step_response(time - start, y, height, spec.band, unit)
     if isinstance(spec, ContourMetric):
-        across, _ = scaled(spec, _beside(of, taken["across"]), parameter, unit)
+        across, _ = scaled(spec, found["across"], parameter, unit)
         size = in_unit(factor(spec.size, parameter), unit)
         outside = contour_error(y, across[rows], spec.shape, size)
         kinds = ("peak", "rms", "max", "min")
         return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
     if isinstance(spec, SustainedMetric):
         start = float(spec.window[0]) if spec.window else 0.0
-        level = _beside(of, taken["level"])
+        level = found["level"]
         times = float(spec.dwell), float(spec.tail)
-        found = sustained(time - start, y, level.values[rows], *times, spec.span)
-        if found is not None:
-            return {"level": Quantity(found, level.unit)}
+        first = sustained(time - start, y, level.values[rows], *times, spec.span)
+        if first is not None:
+            return {"level": Quantity(first, level.unit)}
         highest = Quantity(float(level.values[rows][-1]), level.unit)
         why = f"no oscillation of more than {Quantity(spec.span, unit)} up to {highest}"
         return {"level": NoValue(level.unit, why=why)}
     if isinstance(spec, OnsetMetric):
-        ramp = _beside(of, taken["ramp"])
+        ramp = found["ramp"]
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
     frequency = factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
     amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
-    if "against" not in taken:
+    if "against" not in found:
         return {"amplitude": amplitude, "phase": _phase(c)}
-    against = _beside(of, taken["against"])
+    against = found["against"]
     base = sine_fit(time, against.values[rows], hertz)
     of_both = quotient_unit(unit, against.unit)
     if base == 0:
@@ -261,12 +261,6 @@ def spectrum_line(
     }
 
 
-def _recorded(name: str, signals: Mapping[str, Signal]) -> Signal:
-    if name not in signals:
-        raise ScenarioError(f"{name} was not recorded; {did_you_mean(name, signals)}")
-    return signals[name]
-
-
 def _rows(spec: MetricSpec, signal: Signal) -> slice:
     if spec.window is None:
         return slice(None)
@@ -277,13 +271,3 @@ def _rows(spec: MetricSpec, signal: Signal) -> slice:
     if last - first < 1:
         raise ScenarioError(f"no row of {signal.name} lies in [{start:g}, {end:g}] s")
     return slice(first, last)
-
-
-def _beside(a: Signal, b: Signal) -> Signal:
-    """Return b, recorded at the times of a."""
-    if not np.array_equal(a.time, b.time):
-        raise ScenarioError(
-            f"{a.name} and {b.name} were recorded at different times "
-            f"({len(a)} and {len(b)} rows); record both at one rate"
-        )
-    return b

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 from orchestrator.instances.group import STATUS, WARNING
 from orchestrator.instances.instance import LocalInstance
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
 
 

@@ -30,13 +30,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.compile import CompileError
-from orchestrator import kernel_library as c
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.instances.group import Group
 from orchestrator.instances.instance import LogMessage
 from orchestrator.instances.isolated_child import CHANNEL, serve
 from orchestrator.instances.spawn import spawn
+from orchestrator.native import library as c
 from orchestrator.system import Isolation
 
 REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c

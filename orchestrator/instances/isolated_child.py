@@ -22,13 +22,13 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from orchestrator import kernel_library as c
 from orchestrator.errors import FeedDriveError, SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.folders.temporary import sweep
 from orchestrator.instances.group import group_table
 from orchestrator.instances.instance import LocalInstance, LogMessage
 from orchestrator.instances.load import load
-from orchestrator.temporary import sweep
+from orchestrator.native import library as c
 
 CHANNEL = "feeddrive-channel"  # file in the folder of the FMU
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from orchestrator.fmu import FmuDescription
+from orchestrator.fmu.description import FmuDescription
 from orchestrator.instances.instance import LocalInstance, LogMessage
 
 

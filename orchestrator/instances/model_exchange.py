@@ -26,7 +26,7 @@ from fmpy.sundials.nvector_serial import NV_DATA_S
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.instances.instance import LocalInstance, LogMessage
 
 TOLERANCE = 1e-10

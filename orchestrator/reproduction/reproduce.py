@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.history.folder import Begun, taken
 from orchestrator.quantity import NoValue, Quantity
 from orchestrator.reproduction.formula import evaluate_formula
 from orchestrator.reproduction.reference import (
@@ -21,7 +22,7 @@ from orchestrator.reproduction.reference import (
     Source,
     read_reference,
 )
-from orchestrator.reproduction.verdict import Figure, judge_figure
+from orchestrator.reproduction.verdict import Figure, judge_figure, summary
 from orchestrator.scenario.design import find_function
 from orchestrator.scenario.reading import find_study
 
@@ -39,25 +40,31 @@ class Reproduction:
     reference: Reference
     figures: tuple[Figure, ...]
 
+    def as_json(self, study: str) -> dict[str, Any]:
+        """Return the object that ``reproduce --json`` prints."""
+        rows = [figure.row() for figure in self.figures]
+        return {"study": study, "summary": summary(self.figures), "figures": rows}
+
 
 def reproduce(
     study: str | Path,
     only: str = "*",
     *,
     processes: int | None = None,
-    runs: Path = Path("runs"),
+    folder: Path | None = None,
     told: Told = lambda text: None,
 ) -> Reproduction:
     """Return the figures of a study whose id fits the pattern ``only``.
 
-    ``study`` is a study's name or folder.  Runs are kept under ``runs``; ``told``
-    hears of each run that ends.  More than four runs share two ``processes``.
+    ``study`` is a study's name or folder.  Runs are kept in ``folder`` (default
+    ``runs/<study>/reproduce/<n>``); ``told`` hears of each run that ends.  More than
+    four runs share two ``processes``.
 
     Raises:
         FeedDriveError: no such study or figure, or a run that fails.
     """
-    folder = study if isinstance(study, Path) else find_study(study)
-    reference = read_reference(folder / "reference.toml")
+    place = study if isinstance(study, Path) else find_study(study)
+    reference = read_reference(place / "reference.toml")
     table = reference.figures
     wanted = [spec for spec in table.values() if fnmatchcase(spec.id, only)]
     if not wanted:
@@ -65,19 +72,24 @@ def reproduce(
     needed = _needed(wanted, table)
     sources = [source for spec in needed for source in spec.sources()]
     jobs = dict.fromkeys(
-        _job(source, folder) for source in sources if source.scenario is not None
+        _job(source, place) for source in sources if source.scenario is not None
     )
     at_once = processes or (2 if len(jobs) > 4 else 1)
-    measured = run_all(list(jobs), runs, at_once, told)
-    called: dict[str, Any] = {}
-    values: dict[str, Quantity | None] = {}
-    for spec in needed:  # ingredients come before what is made of them
-        try:
-            values[spec.id] = _value(spec, folder, measured, called, values)
-        except ScenarioError as error:
-            raise ScenarioError(f"{folder.name}: {spec.id}: {error}") from None
-    figures = (judge_figure(spec, values, reference.agreement) for spec in wanted)
-    return Reproduction(reference, tuple(figures))
+    changed = () if only == "*" else (f"--only {only}",)
+    begun = Begun("reproduce", f"{place.name}/reproduce", changed)
+    with taken(folder, begun) as kept:
+        measured = run_all(list(jobs), kept.path, at_once, told)
+        called: dict[str, Any] = {}
+        values: dict[str, Quantity | None] = {}
+        for spec in needed:  # ingredients come before what is made of them
+            try:
+                values[spec.id] = _value(spec, place, measured, called, values)
+            except ScenarioError as error:
+                raise ScenarioError(f"{place.name}: {spec.id}: {error}") from None
+        figures = (judge_figure(spec, values, reference.agreement) for spec in wanted)
+        done = Reproduction(reference, tuple(figures))
+        kept.complete(done.as_json(place.name))
+    return done
 
 
 def _needed(
@@ -115,7 +127,7 @@ def run_all(
     """Run each scenario once, some at a time; return their figures."""
     measured = {}
     folders = {
-        job: runs / Path(job[0]).parent.name / f"{number:03d}_{Path(job[0]).stem}"
+        job: runs / f"{number:03d}_{Path(job[0]).stem}"
         for number, job in enumerate(jobs)
     }
     if processes == 1 or len(jobs) == 1:

@@ -17,7 +17,7 @@ from orchestrator.errors import (
     ScenarioError,
     did_you_mean,
 )
-from orchestrator.fmu import FmuDescription, read_fmu
+from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step

@@ -51,7 +51,7 @@ def locked(composition: Composition) -> dict[str, Any]:
             name: [_plain(fault.model_dump(exclude_none=True)) for fault in faults]
             for name, faults in spec.faults.items()
         },
-        "record": {name: time_text(row) for name, row in system.record.items()},
+        "record": {name: _plain(rows) for name, rows in system.record.items()},
         "metrics": _plain(metrics),
         "expect": expect,
         "lock": {

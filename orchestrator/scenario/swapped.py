@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from orchestrator.errors import WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription, read_fmu
-from orchestrator.ports import ports
+from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.ports import ports
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.stars import open_connections

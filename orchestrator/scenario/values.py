@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from orchestrator.errors import ScenarioError, WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription
-from orchestrator.ports import Port, ports
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import Port, ports
 from orchestrator.quantity import Quantity
 from orchestrator.system import Component, Value, split_name
 

@@ -16,9 +16,9 @@ from lxml import etree
 from systems import part, system
 
 from fmus.build import build
-from orchestrator.archive import read_member
-from orchestrator.fmu import FmuDescription, read_fmu
-from orchestrator.simulate import Choice, simulate
+from orchestrator.fmu.archive import read_member
+from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.master.simulate import Choice, simulate
 from orchestrator.system import Component, Mapped, System
 
 T = Fraction(1, 2000)

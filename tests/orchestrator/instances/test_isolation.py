@@ -16,12 +16,12 @@ import pytest
 from broken import MISBEHAVES, MODES, pack
 from systems import part, system
 
-from orchestrator.archive import unpacked
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
 from orchestrator.instances import isolated
+from orchestrator.master.simulate import Choice, simulate
 from orchestrator.result import Result
-from orchestrator.simulate import Choice, simulate
 from orchestrator.system import Component, Isolation, System
 
 pytestmark = pytest.mark.skipif(
@@ -210,7 +210,7 @@ def test_a_script_without_a_main_guard_may_isolate(
         f"""
 from fractions import Fraction
 from pathlib import Path
-from orchestrator.simulate import simulate
+from orchestrator.master.simulate import simulate
 from orchestrator.system import Component, Isolation, System
 
 print("begun")

@@ -14,10 +14,10 @@ from orchestrator.scenario import reading as scenario_module
 SCENARIO = """
 stop = "0.01"
 [components.plant]
-fmu = "plants.ball_screw"
+fmu = "plants.ball_screw.two_mass"
 step = "1/20000"
 [components.rope]
-fmu = "plants.rope_snap"
+fmu = "plants.disturbances.rope_snap"
 step = "1/20000"
 parameters = { t_0 = 0 }
 [connections]
@@ -66,7 +66,7 @@ unit = "Hz"
 class = "derived"
 expected = 100.0
 tolerance = 1.0
-call = "controllers.synthesis.ball_screw_loops:plant_figures"
+call = "controllers.synthesis.ball_screw.loops:plant_figures"
 key = "axial_frequency"
 [[figure]]
 id = "plant.frf"
