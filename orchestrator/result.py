@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.instants import Instants
 from orchestrator.profile import Profile
+from orchestrator.unit import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,13 +93,13 @@ class Result(Mapping[str, Signal]):
                 f"{name} was not recorded; {did_you_mean(name, self._columns)}"
             ) from None
         table = _read(file, ["time", name])
-        unit = table.schema.field(name).metadata[b"unit"].decode()
-        published = table.schema.field(name).metadata.get(b"published")
+        about = table.schema.field(name).metadata
+        published = about.get(b"published")
         return Signal(
             name,
             _numbers(table["time"]),
             _numbers(table[name]),
-            unit,
+            Unit.from_metadata(about),
             published and Instants.read(published.decode()),
         )
 

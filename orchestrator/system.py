@@ -22,14 +22,15 @@ FaultKind: TypeAlias = Literal[
 class Mapped:
     """A foreign FMU's variable under our name.
 
-    In the direction of the signal: what reaches the FMU's input is
+    In the direction of the signal: what reaches the FMU's input or parameter is
     gain * ours + offset, what we read of its output is gain * theirs + offset.
-    ``unit`` is that of our side; without it the FMU's own unit is kept.
+    ``unit`` is that of our side; without it the FMU's own unit is kept.  With a unit
+    and no gain the FMU's unit is converted to it.
     """
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
 
 

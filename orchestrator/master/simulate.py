@@ -82,6 +82,8 @@ def simulate(
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)
+    for guess in wiring.warnings:
+        warn(guess)
     folder.mkdir(parents=True, exist_ok=True)
     refuse_no_room(folder, wiring.tables, system.stop)
     vector = np.zeros(wiring.size)

@@ -88,9 +88,16 @@ class MapSpec(Strict):
     """A foreign variable under our name: theirs, gain, offset, unit of our side."""
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
+
+    @field_validator("gain")
+    @classmethod
+    def _passes_something(cls, value: float | None) -> float | None:
+        if value is not None and (value == 0 or not np.isfinite(value)):
+            raise ValueError(f"{value} is no gain: a finite number other than zero")
+        return value
 
 
 class ComponentSpec(Strict):
