@@ -225,6 +225,7 @@ _PLAIN: dict[str, Callable[[Array], float]] = {
     "peak": lambda y: float(np.max(np.abs(y))),
     "rms": lambda y: float(np.sqrt(np.mean(y**2))),
     "mean": lambda y: float(np.mean(y)),
+    "mean_abs": lambda y: float(np.mean(np.abs(y))),
     "max": lambda y: float(np.max(y)),
     "min": lambda y: float(np.min(y)),
     "final": lambda y: float(y[-1]),
