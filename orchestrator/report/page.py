@@ -50,6 +50,11 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
             if run.diverged
         ),
         *(
+            f"<p class=warning>{escape(name + str(run.ended))}</p>"
+            for run, name in zip(runs, told, strict=True)
+            if run.ended
+        ),
+        *(
             f"<p class=warning>{escape(name + text)}</p>"
             for run, name in zip(runs, told, strict=True)
             for text in run.warnings

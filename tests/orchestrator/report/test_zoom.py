@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 import zlib
 from base64 import b64decode
@@ -13,13 +12,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tools import needed
 
 from orchestrator.report.embedded import embedded, encoded, recorded, share
 from orchestrator.report.panels import Curve
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
-CHROMIUM = shutil.which("chromium")
 TONE = """
 title = "A tone of 700 Hz over 5 s"
 stop = "5"
@@ -110,10 +109,10 @@ def test_windows_and_limits_of_the_scenario_are_drawn(tone: SimpleNamespace) -> 
     assert re.search(r"v\.max below 1e\+06 m.{1,6}s: beyond the picture", tone.page)
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 def test_zooming_draws_every_recorded_point(
     tone: SimpleNamespace, tmp_path: Path
 ) -> None:
+    needed("chromium")
     file = tmp_path / "report.html"
     file.write_text(tone.page.replace("</body>", ASK))
     for found in asked(file, tmp_path):
@@ -146,7 +145,7 @@ def asked(file: Path, place: Path) -> list[dict]:
         "--disable-background-networking --disable-component-update --disable-sync "
         "--virtual-time-budget=60000 --dump-dom"
     )
-    command = [CHROMIUM, *flags.split(), f"--user-data-dir={place / 'chromium'}"]
+    command = ["chromium", *flags.split(), f"--user-data-dir={place / 'chromium'}"]
     done = subprocess.run(
         [*command, file.as_uri()],
         capture_output=True,
