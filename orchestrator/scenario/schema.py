@@ -100,6 +100,13 @@ class MapSpec(Strict):
         return value
 
 
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
+
+
 class ComponentSpec(Strict):
     """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times."""
 
@@ -114,6 +121,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod
