@@ -15,7 +15,8 @@ from hashlib import sha256
 from importlib.machinery import PathFinder
 from pathlib import Path, PurePosixPath
 
-OWN_PACKAGES = ("controllers", "fmus", "plants")
+from fmus.own import HOME, OWN_PACKAGES
+
 READ_DATA = "read_data"  # the one function of fmus by which models read files
 
 
@@ -97,19 +98,17 @@ def files_digest(*groups: Mapping[str, Path]) -> str:
 
 def _roots(module: str) -> dict[str, Path]:
     """Return the folder in which each top-level name of the closure lies."""
-    roots: dict[str, Path] = {}
-    for package in OWN_PACKAGES:
-        if folder := _folder(package):
-            roots[package] = folder
+    roots: dict[str, Path] = dict.fromkeys(OWN_PACKAGES, HOME)
     if is_file(module):
         folder = Path(module).resolve().parent
         for path in sorted(folder.iterdir()) if folder.is_dir() else ():
-            if path.suffix == ".py" or (path / "__init__.py").is_file():
+            module_there = path.suffix == ".py" or (path / "__init__.py").is_file()
+            if module_there and path.stem not in OWN_PACKAGES:
                 roots[path.stem] = folder
     else:
         top = module.partition(".")[0]
-        if folder := _folder(top):
-            roots[top] = folder
+        if top not in roots and (place := _folder(top)):
+            roots[top] = place
     return roots
 
 

@@ -23,6 +23,7 @@ from fmus.closure import (
     module_name,
 )
 from fmus.model import Continuous, Model, Sampled
+from fmus.own import HOME, OWN_PACKAGES, at_home
 
 PACKAGE = Path(__file__).parent
 # what CasADi says of a signal that Python takes for a number, and what we say
@@ -55,9 +56,15 @@ def sources(module: str) -> dict[str, Path]:
     except NoSuchModule as error:
         if is_file(module):
             raise BuildError("no such file") from None
+        top, _, rest = module.partition(".")
+        if top in OWN_PACKAGES and rest:
+            raise BuildError(
+                f"{error}{_alike(top, rest)}; a model in a folder {top} of your own "
+                f"is given by the path of its .py file"
+            ) from None
         raise BuildError(
-            f"{error}: give a dotted name such as plants.ball_screw, or the path "
-            f"of a .py file"
+            f"{error}: give a dotted name such as plants.ball_screw.two_mass, or "
+            f"the path of a .py file"
         ) from None
     except SyntaxError as error:
         raise BuildError(f"{error.filename}:{error.lineno}: {error.msg}") from None
@@ -66,14 +73,27 @@ def sources(module: str) -> dict[str, Path]:
     return files
 
 
+def _alike(top: str, rest: str) -> str:
+    """Return which modules of ours end in that name, as a question."""
+    stem = rest.rpartition(".")[2]
+    found = [
+        ".".join(file.relative_to(HOME).with_suffix("").parts)
+        for file in sorted((HOME / top).rglob(f"{stem}.py"))
+    ]
+    return f"; is it {' or '.join(found)}?" if found else ""
+
+
 def load_model(module: str) -> Model:
     """Return the ``model`` of a module given by dotted name or file path.
 
     Raises:
         BuildError: no such module, it does not import, or it has no model.
     """
-    model = getattr(load_module(module), "model", None)
+    loaded = load_module(module)
+    model = getattr(loaded, "model", None)
     if not isinstance(model, Continuous | Sampled):
+        if hasattr(loaded, "__path__"):
+            raise BuildError(f"{module} is a package: name a model in it")
         raise BuildError(
             f"{module} has no model: end it with model = Continuous(...) or "
             f"model = Sampled(...)"
@@ -87,6 +107,11 @@ def load_module(module: str) -> ModuleType:
     Raises:
         BuildError: no such module, or it does not import.
     """
+    with at_home():
+        return _load_module(module)
+
+
+def _load_module(module: str) -> ModuleType:
     files, name = sources(module), module_name(module)
     if is_file(module) and name in sys.stdlib_module_names:
         raise BuildError(f"{module} has the name of a module of Python: rename it")

@@ -8,9 +8,10 @@ them.  The same lines are read as NumPy, traced to CasADi and compiled as C.
 
 Records are ``NamedTuple`` classes whose fields are floats, on/off switches
 (``bool``), arrays of floats, or records again; a field of a nested record is
-called ``outer.inner``.  Optional: ``prepare`` computes once per parameter
-change what is handed to the equations as their last argument; ``advance``
-replaces one Runge-Kutta substep; ``delay`` is exact dead time of an input.
+called ``outer.inner``, or ``inner`` where the record is ``Included``.
+Optional: ``prepare`` computes once per parameter change what is handed to the
+equations as their last argument; ``advance`` replaces one Runge-Kutta substep;
+``delay`` is exact dead time of an input.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,6 +42,14 @@ class Var:
     nominal: float | None = None
     constant: bool = False
     fixed: bool = False
+
+
+class Included:
+    """Marks a record whose fields are named as if they stood in the outer one.
+
+    ``drive: Annotated[Drive, Included()] = Drive()`` gives ``m_1``, not
+    ``drive.m_1``, at this place in the order.
+    """
 
 
 class Leaf(NamedTuple):
@@ -74,7 +83,10 @@ class Continuous:
 
 @dataclass(frozen=True)
 class Sampled:
-    """A controller: difference equations run every ``period`` seconds."""
+    """A controller: difference equations run every ``period`` seconds.
+
+    ``period_fixed``: its numbers hold for this period alone, another is refused.
+    """
 
     name: str
     step: Callable[..., Any]
@@ -83,6 +95,7 @@ class Sampled:
     parameters: Record
     period: Fraction = Fraction(1, 1000)
     prepare: Callable[..., Any] | None = None
+    period_fixed: bool = False
 
 
 Model: TypeAlias = Continuous | Sampled
@@ -97,7 +110,7 @@ def leaves(record: Record, prefix: str = "") -> Iterator[Leaf]:
     hints = get_type_hints(type(record), include_extras=True)
     for name, value in zip(record._fields, record, strict=True):
         if is_record(value):
-            yield from leaves(value, f"{prefix}{name}.")
+            yield from leaves(value, inner_prefix(hints[name], prefix, name))
             continue
         kind, *metadata = get_args(hints[name]) or (None,)
         var = next((m for m in metadata if isinstance(m, Var)), None)
@@ -107,6 +120,12 @@ def leaves(record: Record, prefix: str = "") -> Iterator[Leaf]:
                 f'Annotated[float, Var("unit", "description")]'
             )
         yield Leaf(prefix + name, var, value, kind is bool)
+
+
+def inner_prefix(hint: Any, prefix: str, name: str) -> str:
+    """Return what stands before the names of a nested record's fields."""
+    included = any(isinstance(m, Included) for m in get_args(hint)[1:])
+    return prefix if included else f"{prefix}{name}."
 
 
 def is_record(value: Any) -> bool:

@@ -15,7 +15,7 @@ from lxml import etree
 
 from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
-from fmus.closure import OWN_PACKAGES, data_files, is_file, module_name
+from fmus.closure import data_files, is_file, module_name
 from fmus.compile import (
     PLATFORMS,
     CompileError,
@@ -27,7 +27,8 @@ from fmus.documentation import index_html, license_text
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.model import Continuous, Model
-from fmus.native_source import adapter_sources, native_sources, source_names
+from fmus.native_source import ALL, adapter_sources, native_sources
+from fmus.own import OWN_PACKAGES
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,
@@ -92,7 +93,7 @@ def native_contents(
     adapters = adapter_sources()
     parts = (model, traced, places, model.name)
     untold = native_sources(*parts, "") | adapters
-    subject = replace(subject, sources=tuple(source_names(untold)))
+    subject = replace(subject, sources=(ALL,))
     described = [_described(subject, version, "") for version in (2, 3)]
     token = _token(described, {n: text.encode() for n, text in untold.items()})
     generated = native_sources(*parts, token)
@@ -132,6 +133,11 @@ def _with_period(model: Model, period: Fraction | None) -> Model:
         raise BuildError(
             f"{model.name} is continuous and has no period: it takes any step; "
             f"its longest substep is h_max = {model.h_max} s"
+        )
+    if model.period_fixed and period != model.period:
+        raise BuildError(
+            f"{model.name} is sampled every {model.period} s alone, which its numbers "
+            f"are designed for: a period of {period} s takes another design"
         )
     return replace(model, period=period)
 

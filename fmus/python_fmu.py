@@ -21,7 +21,7 @@ from fmus.model import Model, Sampled
 from fmus.native_source import adapter_sources
 
 PYTHON_PLATFORMS = ("linux-x86_64", "windows-x86_64")
-GATE = Path(__file__).with_name("python_gate.c")
+GATE = sorted(Path(__file__).parent.glob("python_gate*.[ch]"))
 EXTERNAL = """\
 This FMU runs Python source.  Its host must provide
 
@@ -121,7 +121,7 @@ def gate_sources() -> dict[str, str]:
     """Return the C of the library that importers load, without its token."""
     adapters = adapter_sources()
     headers = {n: adapters[n] for n in adapters if re.match(r"fmi2\w+\.h$", n)}
-    return headers | {GATE.name: GATE.read_text(encoding="utf-8")}
+    return headers | {f.name: f.read_text(encoding="utf-8") for f in GATE}
 
 
 def python_binaries(

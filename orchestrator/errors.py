@@ -6,12 +6,17 @@ was expected, and what to do.  ``exit_code`` is what the command returns.
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
 
 
 class FeedDriveError(Exception):
-    """Base of all errors a user can cause or meet."""
+    """Base of all errors a user can cause or meet.
+
+    ``folder`` is that of the run whose rows until then can be read.
+    """
 
     exit_code = 2
+    folder: Path | None = None
 
 
 class ScenarioError(FeedDriveError):

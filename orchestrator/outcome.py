@@ -1,6 +1,7 @@
 """A finished run with its figures and checks."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from orchestrator.evaluation.expectation import Check
@@ -16,7 +17,8 @@ class Run(Result):
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
     ``diverged`` says which signal diverges and when, if one does;
     ``composition`` is the system that ran, with its design results; ``warnings``
-    are what its user has to know of it.
+    are what its user has to know of it, ``number`` is that of its folder if it has
+    one.
     """
 
     def __init__(
@@ -27,13 +29,15 @@ class Run(Result):
         checks: list[Check],
         diverged: str | None = None,
         warnings: tuple[str, ...] = (),
+        number: int | None = None,
     ) -> None:
-        super().__init__(result.folder, result.timing)
+        super().__init__(result.folder, result.timing, result.ended)
         self.composition = composition
         self.metrics = metrics
         self.checks = checks
         self.diverged = diverged
         self.warnings = warnings
+        self.number = number
 
     @property
     def scenario(self) -> Scenario:
@@ -44,11 +48,13 @@ class Run(Result):
         timing = self.timing
         return {
             "scenario": self.scenario.name,
+            "number": self.number,
             "stop": float(self.composition.system.stop),
             "metrics": {
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "diverged": self.diverged,
+            "ended": self.ended and asdict(self.ended),
             "warnings": list(self.warnings),
             "executor": timing and timing.executor,
             "timing": timing

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from orchestrator.master.stepper import Stepper
     from orchestrator.outcome import Run
     from orchestrator.scenario.compose import Composition
     from orchestrator.scenario.reading import Scenario
-    from orchestrator.stepper import Stepper
 
 LOCKS = ".lock.toml"
 
@@ -85,7 +85,7 @@ class ScenarioTest(pytest.Item):
     def runtest(self) -> None:
         from orchestrator.session import run
 
-        done = run(self.path, _folder(self.config, self.nodeid))
+        done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
         if text := unmet(done):
             raise ExpectationsNotMet(text)
 
@@ -137,7 +137,7 @@ def _folder(config: pytest.Config, name: str) -> Path:
 
 @pytest.fixture
 def build_fmu(tmp_path: Path) -> Callable[..., Path]:
-    """``build_fmu("plants.ball_screw", fmi=3)`` or a ``.py`` beside the test: its FMU.
+    """``build_fmu("plants.xy_table.axis", fmi=3)`` or a ``.py`` beside the test.
 
     Options are those of ``fmus.build.build``; a period may be text.
     """
@@ -156,11 +156,11 @@ def build_fmu(tmp_path: Path) -> Callable[..., Path]:
 def load_fmu() -> "Iterator[Callable[..., Stepper]]":
     """``load_fmu("their.fmu", values={"m": 2.0})``: an initialised FMU to step.
 
-    Closed at the end of the test; see ``orchestrator.stepper``.
+    Closed at the end of the test; see ``orchestrator.master.stepper``.
     """
     from contextlib import ExitStack
 
-    from orchestrator.stepper import Stepper
+    from orchestrator.master.stepper import Stepper
 
     with ExitStack() as stack:
 
@@ -211,7 +211,7 @@ def run_scenario(request: pytest.FixtureRequest) -> "Callable[..., Run]":
     ) -> "Run":
         loaded = _scenario(request.path, scenario, overrides, **options)
         name = f"{request.node.nodeid}-{next(numbers)}"
-        return run(loaded, _folder(request.config, name))
+        return run(loaded, _folder(request.config, name), overwrite=True)
 
     return ran
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FmuError, did_you_mean
+from orchestrator.instants import Instants
 from orchestrator.profile import Profile
+from orchestrator.unit import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,12 +21,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Signal:
-    """One recorded variable: ``time`` (s) and ``values``, both (n,), and its unit."""
+    """One recorded variable: ``time`` (s) and ``values``, both (n,), and its unit.
+
+    Rows between the instants at which it is ``published`` repeat the last value;
+    None is for what does not change, or is not known.
+    """
 
     name: str
     time: NDArray[np.float64]
     values: NDArray[np.float64]
     unit: str
+    published: Instants | None = None
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.values, dtype=dtype, copy=copy)
@@ -55,17 +63,42 @@ class Timing:
         return 1e6 * self.wall_s / self.instants if self.instants else 0.0
 
 
+@dataclass(frozen=True)
+class End:
+    """Which component ended a run before its stop, at what time (s), and why."""
+
+    by: str
+    at: float
+    reason: str
+
+    def __str__(self) -> str:
+        return f"ended by {self.by} at t = {self.at:.9g} s: {self.reason}"
+
+
 class Result(Mapping[str, Signal]):
     """Recorded signals by name, read from the files of a run as they are asked for.
 
-    ``result["plant.x_2"]`` is a ``Signal``.  ``folder`` holds the tables;
-    ``timing`` is None when a result is opened again later.
+    ``result["plant.x_2"]`` is a ``Signal``, at its highest rate if there are several.
+    ``folder`` holds the tables; ``timing`` is None when a result is opened again.
+    ``ended`` says how an FMU ended the run before its stop, if one did.
     """
 
-    def __init__(self, folder: Path, timing: Timing | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        timing: Timing | None = None,
+        ended: End | None = None,
+        *,
+        period: Fraction | None = None,
+    ) -> None:
         self.folder = Path(folder)
         self.timing = timing
-        self._columns = _columns(self.folder)
+        self.ended = ended
+        self._columns = _columns(self.folder, period)
+
+    def at(self, period: Fraction) -> "Result":
+        """Return what was recorded with that row period (s) alone."""
+        return Result(self.folder, self.timing, self.ended, period=period)
 
     def __getitem__(self, name: str) -> Signal:
         try:
@@ -75,8 +108,15 @@ class Result(Mapping[str, Signal]):
                 f"{name} was not recorded; {did_you_mean(name, self._columns)}"
             ) from None
         table = _read(file, ["time", name])
-        unit = table.schema.field(name).metadata[b"unit"].decode()
-        return Signal(name, _numbers(table["time"]), _numbers(table[name]), unit)
+        about = table.schema.field(name).metadata
+        published = about.get(b"published")
+        return Signal(
+            name,
+            _numbers(table["time"]),
+            _numbers(table[name]),
+            Unit.from_metadata(about),
+            published and Instants.read(published.decode()),
+        )
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
@@ -89,7 +129,7 @@ class Result(Mapping[str, Signal]):
 
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Return one data frame per row rate, indexed by time (needs pandas)."""
-        files = dict.fromkeys(self._columns.values())
+        files = _files(self.folder / "result")
         return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
 
 
@@ -99,20 +139,48 @@ def _numbers(column: Any) -> NDArray[np.float64]:
     return np.concatenate(chunks) if chunks else np.empty(0)
 
 
-def _columns(folder: Path) -> dict[str, Path]:
-    """Return which file holds each recorded variable; Parquet before Arrow."""
+def reached(folder: Path) -> float | None:
+    """Return the time (s) of the last row a run has written; None without rows."""
+    ends = [_last_time(file) for file in _files(folder / "result")]
+    return max((t for t in ends if t is not None), default=None)
+
+
+def _columns(folder: Path, only: Fraction | None = None) -> dict[str, Path]:
+    """Return which file holds each recorded variable, its shortest period first."""
     tables = folder / "result"
-    arrows = sorted(tables.glob("*.arrows"))
-    files = [*(f for f in arrows if not f.with_suffix(".parquet").exists())]
-    files += sorted(tables.glob("*.parquet"))
     if not tables.is_dir():
         raise FmuError(f"{folder}: holds no run: there is no folder result in it")
-    columns = {}
-    for file in files:
+    columns: dict[str, Path] = {}
+    for file in sorted(_files(tables), key=_period):
+        if only not in (None, _period(file)):
+            continue
         for name in _schema(file).names:
             if name != "time":
-                columns[name] = file
+                columns.setdefault(name, file)
     return columns
+
+
+def _period(file: Path) -> Fraction:
+    """Return the period that ``every_<n>_<d>_s`` says."""
+    return Fraction(*map(int, file.stem.split("_")[1:3]))
+
+
+def _files(tables: Path) -> list[Path]:
+    """Return the files of all tables; Parquet before Arrow, none that is empty."""
+    arrows = [f for f in tables.glob("*.arrows") if _begun(f)]
+    return sorted({*map(_now, arrows), *tables.glob("*.parquet")})
+
+
+def _begun(file: Path) -> bool:
+    with suppress(FileNotFoundError):  # the run has just ended
+        return file.stat().st_size > 0
+    return False
+
+
+def _now(file: Path) -> Path:
+    """Return the file that a table is in now; a run may have ended meanwhile."""
+    parquet = file.with_suffix(".parquet")
+    return parquet if parquet.exists() else file
 
 
 def _schema(file: Path) -> Any:
@@ -128,14 +196,36 @@ def _read(file: Path, columns: list[str] | None = None) -> Any:
     import pyarrow as pa
     import pyarrow.parquet
 
+    file = _now(file)
     if file.suffix == ".parquet":
         with pyarrow.parquet.ParquetFile(file) as parquet:  # read_table imports pandas
             return parquet.read(columns=columns)
-    batches = []
     with pyarrow.ipc.open_stream(file) as reader:
-        schema = reader.schema
-        # the last batch of a killed run may be cut
-        with suppress(pa.ArrowInvalid, OSError):
-            batches.extend(reader)
-    table = pa.Table.from_batches(batches, schema)
+        table = pa.Table.from_batches(_batches(reader), reader.schema)
     return table.select(columns) if columns else table
+
+
+def _batches(reader: Any) -> Iterator[Any]:
+    """Yield the batches of a stream; the last one of a killed run may be cut."""
+    import pyarrow as pa
+
+    with suppress(pa.ArrowInvalid, OSError):
+        yield from reader
+
+
+def _last_time(file: Path) -> float | None:
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    if file.suffix == ".parquet":
+        with pyarrow.parquet.ParquetFile(file) as parquet:
+            groups = parquet.num_row_groups
+            if not groups:
+                return None
+            times = parquet.read_row_group(groups - 1, columns=["time"])["time"]
+            return float(times[-1].as_py()) if len(times) else None
+    last = None
+    with pa.memory_map(str(file)) as mapped, pa.ipc.open_stream(mapped) as reader:
+        for batch in _batches(reader):
+            last = batch
+        return None if last is None else float(last["time"][-1].as_py())

@@ -1,111 +1,169 @@
 """A scenario from end to end: compose, lock, simulate, evaluate, report.
 
-The folder of a run holds ``scenario.lock.toml`` with ``fmus/``, ``result/``,
-``metrics.json`` and ``report.html``.  The lock is written before the first
+What the folder of a run holds stands in ``history.folder``.  It is taken when
+nothing is left that could be refused, and the lock is written before the first
 step, so that a run that fails can be looked at and run again.
 """
 
 import atexit
-import json
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fmus.units import UnitError
 from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
+from orchestrator.evaluation.compared import refuse_apart
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
-from orchestrator.evaluation.metrics import evaluate, refuse_unit
+from orchestrator.evaluation.metrics import evaluate, unit_doubts
+from orchestrator.folders.temporary import temporary_folder
+from orchestrator.history.folder import Begun, RunFolder, taken
 from orchestrator.outcome import Run
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
 from orchestrator.scenario.reading import Scenario, load_scenario
-from orchestrator.temporary import temporary_folder
 from orchestrator.warned import collecting
 
 if TYPE_CHECKING:
-    from orchestrator.simulate import Choice
+    from orchestrator.master.simulate import Choice
+    from orchestrator.master.timetable import Timetable
 
 Progress = Callable[[Fraction], None]
+Also = Callable[[Run], Mapping[str, Any]]
 
 
 def run(
     scenario: Scenario | str | Path,
     folder: str | Path | None = None,
     *,
+    overwrite: bool = False,
     progress: Progress | None = None,
     report: bool = True,
 ) -> Run:
     """Run a scenario and return its recorded signals, figures and checks.
 
-    ``folder`` (default ``runs/<scenario>``) takes the files of the run and loses
-    those of an earlier one.  ``progress`` is told the simulated time.
+    ``folder`` (default ``runs/<study>/<scenario>/<n>``, the next n) takes the files
+    of the run; one that holds a run loses it with ``overwrite``.  ``progress`` is
+    told the simulated time.
 
     Raises:
         FeedDriveError: the scenario cannot be run, or the run failed.
     """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
-    target = Path("runs", scenario.name) if folder is None else Path(folder)
+    target = None if folder is None else Path(folder)
     with naming(scenario):
         composition = compose(scenario, run_earlier)
-        return execute(composition, target, progress=progress, report=report)
+        return execute(
+            composition, target, overwrite=overwrite, progress=progress, report=report
+        )
 
 
 def execute(
     composition: Composition,
-    folder: Path,
+    folder: Path | None = None,
     *,
+    overwrite: bool = False,
     progress: Progress | None = None,
     report: bool = True,
     executor: "Choice | None" = None,
     profile: bool = False,
+    also: Also = lambda done: {},
 ) -> Run:
-    """Simulate a composition into a folder and evaluate it.
+    """Simulate a composition into a folder of its own and evaluate it.
 
-    ``executor`` and ``profile`` as in ``simulate``.
+    ``folder`` and ``overwrite`` as for ``run``, ``executor`` and ``profile`` as for
+    ``simulate``; what ``also`` returns belongs to the figures of the run, which is
+    not complete before.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
     """
-    from orchestrator.simulate import simulate
+    from orchestrator.master.simulate import plan
 
     refuse_metrics(composition)
-    clear(folder, composition)
-    write_lock(composition, folder)
-    spec = composition.scenario.spec
+    timetable = plan(composition.system)
+    _refuse_apart(composition, timetable)
+    refuse_own_folder(folder, composition)
+    with taken(folder, _begun(composition), overwrite=overwrite) as place:
+        write_lock(composition, place.path)
+        done = _evaluated(
+            composition, timetable, place, progress, executor, profile=profile
+        )
+        if report:
+            from orchestrator.report.page import write_report
+
+            write_report([done], place.path / "report.html")
+        place.complete({**done.summary(), **also(done)})
+    return done
+
+
+def _refuse_apart(composition: Composition, timetable: "Timetable") -> None:
+    tables, stop = timetable.wiring.tables, composition.system.stop
+    for name, metric in composition.scenario.spec.metrics.items():
+        try:
+            refuse_apart(metric, tables, stop)
+        except ScenarioError as error:
+            raise ScenarioError(f"metrics.{name}: {error}") from None
+
+
+def _begun(composition: Composition) -> Begun:
+    scenario = composition.scenario
+    changed = (*(f"--swap {swap}" for swap in scenario.swapped), *scenario.overrides)
+    return Begun("run", scenario.name, changed, float(composition.system.stop))
+
+
+def _evaluated(
+    composition: Composition,
+    timetable: "Timetable",
+    place: RunFolder,
+    progress: Progress | None,
+    executor: "Choice | None",
+    *,
+    profile: bool,
+) -> Run:
+    from orchestrator.master.simulate import simulate
+
+    spec, parameter = composition.scenario.spec, composition.parameter
     try:
         with collecting() as warnings:
             result = simulate(
                 composition.system,
-                folder,
+                place.path,
+                timetable=timetable,
                 progress=progress,
                 executor=executor,
                 profile=profile,
             )
     except SimulationError as error:
-        begun = Result(folder) if (folder / "result").is_dir() else {}
-        if told := divergence(spec.metrics, begun, composition.parameter):
+        if told := _diverged_before(composition, place.path):
             raise type(error)(f"{error}; {told}") from error.__cause__
         raise
-    figures = evaluate(spec.metrics, result, composition.parameter)
-    diverged = divergence(spec.metrics, result, composition.parameter)
-    checks = check(spec.expect, figures)
-    noted = (*composition.warnings, *warnings)
-    done = Run(result, composition, figures, checks, diverged, noted)
-    summary = json.dumps(done.summary(), indent=2) + "\n"
-    (folder / "metrics.json").write_text(summary, encoding="utf-8")
-    if report:
-        from orchestrator.report.page import write_report
+    figures = evaluate(spec.metrics, result, parameter, result.ended)
+    diverged = divergence(spec.metrics, result, parameter)
+    return Run(
+        result,
+        composition,
+        figures,
+        check(spec.expect, figures),
+        diverged,
+        (*composition.warnings, *warnings),
+        place.number,
+    )
 
-        write_report([done], folder / "report.html")
-    return done
+
+def _diverged_before(composition: Composition, folder: Path) -> str | None:
+    """Return what diverged before a run failed, in words, if anything did."""
+    metrics = composition.scenario.spec.metrics
+    try:
+        return divergence(metrics, Result(folder), composition.parameter)
+    except Exception:  # the failure itself is what counts, whatever its rows are like
+        return None
 
 
 def refuse_metrics(composition: Composition) -> None:
@@ -124,37 +182,27 @@ def refuse_metrics(composition: Composition) -> None:
                     f'"{signal}" = true to [record]'
                 )
         try:
-            refuse_unit(metric, composition.unit(metric.of), composition.parameter)
+            unit_doubts(metric, composition.unit, composition.parameter)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
 
 
-def clear(folder: Path, composition: Composition) -> None:
-    """Make a run folder, or empty one that holds an earlier run.
+def refuse_own_folder(folder: Path | None, composition: Composition) -> None:
+    """Refuse a folder that holds what is to be run.
 
     Raises:
-        ScenarioError: the folder holds other things, or what is to be run.
+        ScenarioError: the lock file or an FMU of the system lies in it.
     """
+    if folder is None or not (folder / LOCK).is_file():
+        return
     inputs = [c.fmu for c in composition.system.components.values()]
     inputs.append(composition.scenario.file)
     place = folder.resolve()
-    within = any(path.resolve().is_relative_to(place) for path in inputs)
-    if within and (folder / LOCK).is_file():
+    if any(path.resolve().is_relative_to(place) for path in inputs):
         raise ScenarioError(
             f"{folder}: holds the run that is to be run again; give another folder "
             f"with -o"
         )
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / LOCK).is_file():
-        raise ScenarioError(
-            f"{folder}: holds files that are no run; give another folder with -o"
-        )
-    if folder.is_file():
-        raise ScenarioError(f"{folder}: is a file; give a folder with -o")
-    for name in ("result", "fmus"):
-        shutil.rmtree(folder / name, ignore_errors=True)
-    for name in ("metrics.json", "report.html"):
-        (folder / name).unlink(missing_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
 
 
 _UNDER_WAY: list[str] = []
@@ -192,4 +240,6 @@ def naming(scenario: Scenario) -> Iterator[None]:
     except FeedDriveError as error:
         if str(scenario.file) in str(error):
             raise
-        raise type(error)(f"{scenario.file}: {error}") from error.__cause__
+        told = type(error)(f"{scenario.file}: {error}")
+        told.folder = error.folder
+        raise told from error.__cause__

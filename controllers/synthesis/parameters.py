@@ -1,9 +1,9 @@
 """Parameters by name: from plain numbers to the records of models."""
 
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
-from fmus.model import Record, is_record, leaves
+from fmus.model import Record, inner_prefix, is_record, leaves
 
 R = TypeVar("R")
 
@@ -20,12 +20,12 @@ def with_values(record: R, values: Mapping[str, Any]) -> R:
             raise LookupError(f"no parameter {name!r}, there are {', '.join(known)}")
 
     def replace(part: Any, prefix: str) -> Any:
-        fields = zip(part._fields, part, strict=True)
+        hints = get_type_hints(type(part), include_extras=True)
         return part._make(
-            replace(value, f"{prefix}{name}.")
+            replace(value, inner_prefix(hints[name], prefix, name))
             if is_record(value)
             else values.get(prefix + name, value)
-            for name, value in fields
+            for name, value in zip(part._fields, part, strict=True)
         )
 
     replaced: R = replace(record, "")

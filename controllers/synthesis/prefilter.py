@@ -10,7 +10,7 @@ Source: Gordon 2010, equations 3.16 to 3.20.
 
 import numpy as np
 
-from controllers import prefilter
+from controllers.filters import prefilter
 from fmus.model import FloatArray
 
 GAINS = ("K_vel", "K_acc", "K_jerk", "K_snap")

@@ -11,10 +11,10 @@ from fmpy import read_model_description
 from fmpy.validation import validate_model_description
 from lxml import etree
 
-from orchestrator.archive import checked_members, read_member
 from orchestrator.checks.item import CannotRun
 from orchestrator.errors import FmuError
-from orchestrator.fmu import FmuDescription, read_fmu
+from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.fmu.description import FmuDescription, read_fmu
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -36,7 +36,7 @@ from orchestrator.checks.moment import (
     real_inputs,
     unknowns,
 )
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 PARTS = (1.0, -1.0, 0.37)
 SMALL = (0.02, -0.01)  # for parameters

@@ -16,7 +16,7 @@ from orchestrator.checks.moment import (
     real_inputs,
     unknowns,
 )
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 DIRECTIONAL = "providesDirectionalDerivatives"  # FMI 2 without the s
 ADJOINT = "providesAdjointDerivatives"

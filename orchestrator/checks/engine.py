@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from orchestrator.archive import unpacked
 from orchestrator.checks.archive import Archive
 from orchestrator.checks.catalogue import catalogue
 from orchestrator.checks.item import (
@@ -34,6 +33,7 @@ from orchestrator.checks.item import (
 from orchestrator.checks.patience import Patience
 from orchestrator.checks.report import Report
 from orchestrator.errors import FmuError
+from orchestrator.fmu.archive import unpacked
 
 LOOK = 0.2  # s between two looks at a child
 LOADS = 11  # the dynamic item without which no other is tried

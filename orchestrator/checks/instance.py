@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from orchestrator.checks.interface import load
 from orchestrator.checks.item import CannotRun
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 if TYPE_CHECKING:
     from orchestrator.checks.laboratory import Laboratory

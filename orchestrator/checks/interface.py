@@ -24,7 +24,7 @@ from fmpy.logging import addLoggerProxy
 from numpy.typing import NDArray
 
 from orchestrator.checks.item import CannotRun
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 
 Kind: TypeAlias = Literal["co-simulation", "model exchange"]
 Log: TypeAlias = Callable[[int, bytes | None, bytes | None], None]

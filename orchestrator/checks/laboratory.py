@@ -18,7 +18,7 @@ import numpy as np
 from orchestrator.checks.instance import ERROR, Instance, Row, excitation
 from orchestrator.checks.interface import Kind
 from orchestrator.checks.item import WORDS, NotApplicable
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 
 T = TypeVar("T")
 

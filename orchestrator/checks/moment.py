@@ -14,7 +14,7 @@ import numpy as np
 from orchestrator.checks.instance import Instance, Row
 from orchestrator.checks.item import WORDS
 from orchestrator.checks.laboratory import Laboratory
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from orchestrator.checks.instance import Row
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
 from orchestrator.checks.laboratory import Laboratory
 from orchestrator.checks.references import CSV, Experiment, File, experiments
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 TOLERANCE = 1e-3  # of a column's range
 MOVED = 0.05  # of the rows may be those of a neighbouring sample

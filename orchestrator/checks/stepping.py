@@ -16,7 +16,7 @@ from orchestrator.checks.instance import (
 )
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
 from orchestrator.checks.laboratory import STEPS, Laboratory
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 TOLERANCE = 1e-6  # of a value's size
 NUDGE = 1e-9  # by which start values are moved to see how much a model cares

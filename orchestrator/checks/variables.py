@@ -16,7 +16,7 @@ from orchestrator.checks.item import (
     advice,
     static,
 )
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
 
 PARAMETERS = ("parameter", "structuralParameter")
 SHOWN = 5  # names written out in one finding

@@ -7,7 +7,7 @@ failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator.cli import check, fmus, run, second_opinion, study
+from orchestrator.cli import check, fmus, run, runs, second_opinion, study
 
 app = typer.Typer(
     name="feeddrive",
@@ -25,6 +25,7 @@ for verb in (
     check.check,
     run.schedule,
     run.run,
+    runs.runs,
     study.reproduce,
     second_opinion.second_opinion,
 ):

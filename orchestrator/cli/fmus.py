@@ -1,7 +1,6 @@
 """Verbs about models and FMU files: ``models``, ``build``, ``info``."""
 
 import importlib
-import pkgutil
 from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter
@@ -14,7 +13,7 @@ from orchestrator.quantity import parse_period, rate, time_text
 
 if TYPE_CHECKING:
     from fmus.model import Model
-    from orchestrator.fmu import FmuDescription
+    from orchestrator.fmu.description import FmuDescription
 
 PACKAGES = ("plants", "controllers")
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
@@ -44,10 +43,11 @@ def models(json: Json = False) -> None:
 def model_modules() -> Iterator[str]:
     """Yield the dotted names of all public model modules."""
     for package in PACKAGES:
-        path = importlib.import_module(package).__path__
-        for module in pkgutil.iter_modules(path):
-            if not module.ispkg and not module.name.startswith("_"):
-                yield f"{package}.{module.name}"
+        for folder in importlib.import_module(package).__path__:
+            for file in sorted(Path(folder).rglob("[!_]*.py")):
+                parts = file.relative_to(folder).with_suffix("").parts
+                if parts[0] != "synthesis":
+                    yield ".".join((package, *parts))
 
 
 def _model_facts(module: str, model: "Model") -> dict[str, Any]:
@@ -164,7 +164,7 @@ def info(
 ) -> None:
     """Show what an FMU says of itself: kind, platforms, variables with units."""
     import fmus.build
-    from orchestrator.fmu import read_fmu
+    from orchestrator.fmu.description import read_fmu
 
     if fmu.endswith(".fmu"):
         described = read_fmu(fmu)

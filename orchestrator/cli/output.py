@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
 from math import isfinite
+from pathlib import Path
 from textwrap import fill
 from time import perf_counter
 from traceback import extract_tb
@@ -29,7 +30,8 @@ Progress = Callable[[Fraction], None]
 def command(function: Callable[P, None]) -> Callable[P, None]:
     """Let every refusal end in one paragraph on stderr and an exit code.
 
-    With ``--json`` stdout gets {"error": "..."} besides.
+    With ``--json`` stdout gets {"error": "..."} besides, and where rows are there
+    "result", the folder of the run.
     """
 
     @functools.wraps(function)
@@ -39,10 +41,11 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         from fmus.units import UnitError
         from orchestrator.errors import FeedDriveError
 
-        def fail(message: str, code: int) -> None:
+        def fail(message: str, code: int, folder: Path | None = None) -> None:
             if kwargs.get("json"):
+                rows = {"result": str(folder)} if folder else {}
                 with _stdout_closed_when_full():
-                    print_json({"error": message})
+                    print_json({"error": message, **rows})
             typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
             typer.echo(message, err=True)
             raise typer.Exit(code)
@@ -50,7 +53,7 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
         try:
             function(*args, **kwargs)
         except FeedDriveError as error:
-            fail(str(error), error.exit_code)
+            fail(str(error), error.exit_code, error.folder)
         except (BuildError, CompileError, UnitError) as error:
             fail(str(error), 2)
         except BrokenPipeError:  # the reader, say `head`, has seen enough

@@ -17,12 +17,12 @@ from orchestrator.cli.output import (
     waiting,
 )
 from orchestrator.cli.running import load, simulate
-from orchestrator.cli.swap import compare, load_original, print_swap
+from orchestrator.cli.swap import ORIGINAL, compare, load_original, print_swap
 from orchestrator.evaluation.compare import number
 from orchestrator.quantity import NoValue, rate, time_text
 
 if TYPE_CHECKING:
-    from orchestrator.ages import Plan
+    from orchestrator.master.ages import Plan
     from orchestrator.outcome import Run
     from orchestrator.profile import Profile
 
@@ -78,8 +78,13 @@ def run(
     map: Maps = [],  # noqa: B006
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="folder of the run [runs/<scenario>]"),
+        typer.Option(
+            "--output", "-o", help="folder of the run [runs/<study>/<scenario>/<n>]"
+        ),
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="lose the run that -o FOLDER holds")
+    ] = False,
     fmi: Fmi = None,
     executor: Annotated[
         Executor | None,
@@ -96,15 +101,22 @@ def run(
     loaded = load(scenario, sets, swap, map, fmi)
     original = load_original(scenario, sets, swap, map, fmi) if swap else None
     options = {"executor": executor and executor.value, "profile": profile}
-    done = simulate(loaded, output or Path("runs", loaded.name), **options)
-    before = compare(original, done, swap, **options) if original else None
+    beside: dict[str, Run] = {}
+
+    def also(done: "Run") -> dict[str, Any]:
+        """Run what a swap is compared with before the run is complete."""
+        if original:
+            beside[ORIGINAL] = compare(original, done, swap, **options)
+        return {name: other.summary()["metrics"] for name, other in beside.items()}
+
+    done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
     if json:
-        told = {"original": before.summary()["metrics"]} if before else {}
-        print_json({**done.summary(), **told})
+        others = {name: other.summary()["metrics"] for name, other in beside.items()}
+        print_json({**done.summary(), **others})
     else:
         print_run(done)
-        if before:
-            print_swap(before, done)
+        for first in beside.values():
+            print_swap(first, done)
     changed = bool(sets or swap)  # then figures may well differ, but not be gone
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
@@ -126,7 +138,7 @@ def schedule(
     verbose: Verbose = False,
 ) -> None:
     """Show who steps when and in which order, and every hold, delay and age."""
-    from orchestrator.ages import describe_schedule
+    from orchestrator.master.ages import describe_schedule
     from orchestrator.scenario.compose import compose
     from orchestrator.session import naming, run_earlier
 
@@ -204,9 +216,12 @@ def print_run(done: "Run") -> None:
     title = done.scenario.spec.title or done.scenario.name
     if rows:
         print_table(["figure", ">value", "unit", "check"], rows, title)
+    if done.ended:
+        stop = float(done.composition.system.stop)
+        typer.echo(f"{done.ended} (the scenario stops at {stop:g} s)")
     if done.timing is not None:
         typer.echo(
-            f"{float(done.composition.system.stop):g} s in {done.timing.wall_s:.3g} s, "
+            f"{done.timing.simulated_s:g} s in {done.timing.wall_s:.3g} s, "
             f"{done.timing.real_time_factor:.3g} x real time, "
             f"{done.timing.us_per_instant:.3g} us per instant"
         )

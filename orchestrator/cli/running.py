@@ -21,13 +21,8 @@ def load(
     return load_scenario(name, overrides, parse_swaps(swaps, maps))
 
 
-def simulate(scenario: "Scenario", folder: Path, **options: Any) -> "Run":
-    """Run a scenario with its progress on stderr.
-
-    Raises:
-        Interrupted: by Ctrl-C, when there are rows already.
-    """
-    from orchestrator.errors import Interrupted
+def simulate(scenario: "Scenario", folder: Path | None = None, **options: Any) -> "Run":
+    """Run a scenario with its progress on stderr; options as for ``execute``."""
     from orchestrator.scenario.compose import compose
     from orchestrator.session import execute, naming, run_earlier
 
@@ -35,27 +30,4 @@ def simulate(scenario: "Scenario", folder: Path, **options: Any) -> "Run":
         with waiting(f"building the FMUs of {scenario.name}"):
             composition = compose(scenario, run_earlier)
         with progress_bar(scenario.name, composition.system.stop) as progress:
-            try:
-                return execute(composition, folder, progress=progress, **options)
-            except KeyboardInterrupt:
-                reached = _reached(folder)
-                if reached is None:
-                    raise
-                raise Interrupted(
-                    f"interrupted at t = {reached:g} s; the rows until then are in "
-                    f"{folder}/result"
-                ) from None
-
-
-def _reached(folder: Path) -> float | None:
-    """Return the time of the last row that a run has written, if it has any."""
-    from orchestrator.errors import FmuError
-    from orchestrator.result import Result
-
-    try:
-        result = Result(folder)
-    except (FmuError, ValueError, OSError):  # not even the head of a table is there
-        return None
-    signals = (result[name] for name in result)
-    ends = [float(signal.time[-1]) for signal in signals if len(signal)]
-    return max(ends, default=None)
+            return execute(composition, folder, progress=progress, **options)

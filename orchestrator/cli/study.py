@@ -1,6 +1,5 @@
 """Verbs on the published studies: ``demo``, ``reproduce``."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,7 +17,6 @@ from orchestrator.evaluation.compare import number
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
-    from orchestrator.reproduction.reproduce import Figure
 
 STUDY = "ball_screw_pole_placement"
 COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
@@ -27,19 +25,22 @@ COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
 @command
 def demo(json: Json = False, verbose: Verbose = False) -> None:
     """Co-simulate a P-PI cascade and pole placement on one ball-screw drive."""
+    from orchestrator.history.folder import Begun, taken
     from orchestrator.report.page import write_report
     from orchestrator.scenario.reading import load_scenario
 
     set_up_logs(verbose)
-    folder = Path("runs/demo")
-    runs = [
-        simulate(load_scenario(f"{STUDY}/{name}"), folder / name, report=False)
-        for name in COMPARED
-    ]
     title = "Ball-screw drive: pole placement against P-PI cascade"
-    page = write_report(runs, folder / "report.html", title)
+    with taken(None, Begun("demo", "demo")) as place:
+        runs = [
+            simulate(load_scenario(f"{STUDY}/{name}"), place.path / name, report=False)
+            for name in COMPARED
+        ]
+        page = write_report(runs, place.path / "report.html", title)
+        told = {"runs": [done.summary() for done in runs], "report": str(page)}
+        place.complete(told)
     if json:
-        print_json({"runs": [done.summary() for done in runs], "report": str(page)})
+        print_json(told)
         return
     print_comparison(runs, title)
     for done in runs:
@@ -103,57 +104,19 @@ def reproduce(
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
-    """Run a study's scenarios through FMUs and compare with the published figures."""
+    """Run a study's scenarios through FMUs and judge them by the published figures."""
+    from orchestrator.cli.figures import print_reproduction
     from orchestrator.reproduction.reproduce import reproduce as reproduce_study
 
     set_up_logs(verbose)
     with waiting(f"reproducing {study}"):
-        figures = reproduce_study(
+        done = reproduce_study(
             study, only, told=lambda name: typer.echo(f"ran {name}", err=True)
         )
     if json:
-        print_json({"study": study, "figures": [figure.row() for figure in figures]})
+        print_json(done.as_json(study))
     else:
-        print_figures(study, figures)
-    if failed := [f.spec.id for f in figures if f.verdict == "FAILED"]:
+        print_reproduction(study, done)
+    if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:
         typer.echo(f"acceptance missed: {', '.join(failed)}", err=True)
         raise typer.Exit(1)
-
-
-def print_figures(study: str, figures: "list[Figure]") -> None:
-    """Print published and own figures side by side, why they differ, and a count."""
-    rows = []
-    for f in figures:
-        spec, unit = f.spec, "" if f.spec.unit == "1" else f.spec.unit
-        published = "" if spec.published is None else _number(spec.published)
-        ours = "" if f.value is None else _number(f.value)
-        difference = ""
-        if f.difference is not None and isinstance(spec.published, float | int):
-            difference = f"{f.difference:+.3g}"
-            if spec.published:
-                difference += f" ({100 * f.difference / spec.published:+.1f} %)"
-        rows.append(
-            [
-                spec.id,
-                spec.where,
-                published,
-                ours,
-                unit,
-                difference,
-                spec.class_,
-                f.verdict,
-            ]
-        )
-    head = ("figure", "where", ">published", ">ours", "unit", ">difference", "class")
-    print_table([*head, "verdict"], rows, study)
-    for f in figures:
-        if f.why:
-            typer.echo(f"  {f.spec.id}: {f.why}")
-    counts: dict[str, int] = {}
-    for f in figures:
-        counts[f.verdict] = counts.get(f.verdict, 0) + 1
-    typer.echo(", ".join(f"{n} {verdict}" for verdict, n in counts.items()))
-
-
-def _number(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.6g}"

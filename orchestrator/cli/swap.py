@@ -72,7 +72,7 @@ def _refuse_other_names(
 ) -> None:
     from fmus.build import build
     from orchestrator.errors import ScenarioError
-    from orchestrator.fmu import read_fmu
+    from orchestrator.fmu.description import read_fmu
     from orchestrator.scenario.propose import (
         missing_names,
         propose,

@@ -3,7 +3,10 @@
 A metric takes one recorded signal (``of``), over ``window = [from, to]`` (s;
 the whole record without), multiplied by ``scale`` and divided by ``per``
 (a number, a number with unit ``"3 m/rad"``, or ``component.parameter`` with its
-unit), in ``unit``.  Its figures are called ``<metric>.<figure>``.
+unit), in ``unit``.  Its figures are called ``<metric>.<figure>``.  ``at`` takes
+the rows of that rate, where signals are recorded at several; without it they
+are those of the highest rate, and of two signals that are compared the ones at
+which both are published.
 """
 
 from fractions import Fraction
@@ -19,6 +22,7 @@ from pydantic import (
 )
 
 from orchestrator.errors import did_you_mean
+from orchestrator.evaluation.rates import named_period
 from orchestrator.quantity import parse_time
 
 Factor: TypeAlias = float | str
@@ -57,12 +61,18 @@ Window: TypeAlias = Annotated[
 ]
 
 
+Period: TypeAlias = Annotated[
+    Fraction, PlainValidator(named_period), PlainSerializer(str)
+]
+
+
 class _Metric(Strict):
     of: str
     unit: str | None = None
     scale: Factor = 1.0
     per: Factor = 1.0
     window: Window | None = None
+    at: Period | None = None
 
     def signals(self) -> dict[str, str]:
         """Return the recorded signals the metric takes, by key."""
@@ -80,10 +90,10 @@ class ErrorMetric(_Metric):
 
 
 class PlainMetric(_Metric):
-    """One figure of a signal, called as the kind; ``peak`` is of the magnitude,
-    ``span`` is max - min."""
+    """One figure of a signal, called as the kind; ``peak`` and ``mean_abs`` are of
+    the magnitude, ``span`` is max - min."""
 
-    kind: Literal["peak", "rms", "mean", "max", "min", "final", "span"]
+    kind: Literal["peak", "rms", "mean", "mean_abs", "max", "min", "final", "span"]
 
 
 class SettlingMetric(_Metric):

@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.metrics import Parameters, factor, in_unit, scaled
 from orchestrator.evaluation.motion import contour_error
 from orchestrator.evaluation.schema import (
@@ -28,7 +29,7 @@ from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
 
 Array: TypeAlias = NDArray[np.float64]
-_OF_THE_TRACE = ("peak", "rms", "mean", "max", "min")
+_OF_THE_TRACE = ("peak", "rms", "mean", "mean_abs", "max", "min")
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def _bounds(e: Expectation) -> tuple[float | None, float | None]:
 
 
 def _value(kind: str, size: Array) -> float:
-    if kind == "mean":
+    if kind in ("mean", "mean_abs"):
         return float(np.mean(size))
     if kind == "min":
         return float(np.min(size))
@@ -134,11 +135,12 @@ def _value(kind: str, size: Array) -> float:
 def _trace(
     spec: MetricSpec, signals: Mapping[str, Signal], parameter: Parameters
 ) -> tuple[str, Array, Array, str]:
-    of, name = signals[spec.of], spec.of
+    found, name = taken(spec, signals), spec.of
+    of = found["of"]
     own = None if isinstance(spec, SineMetric) and spec.against else spec.unit
     trace, unit = scaled(spec, of, parameter, own)
     if isinstance(spec, ErrorMetric):
-        trace = scaled(spec, signals[spec.against], parameter, unit)[0] - trace
+        trace = scaled(spec, found["against"], parameter, unit)[0] - trace
         name = f"{spec.against} - {spec.of}"
     elif isinstance(spec, SettlingMetric):
         trace = trace - spec.final
@@ -147,7 +149,7 @@ def _trace(
         height = Quantity(in_unit(factor(spec.height, parameter), unit), unit)
         trace, name = trace - height.value, f"{name} - {height}"
     elif isinstance(spec, ContourMetric):
-        across, _ = scaled(spec, signals[spec.across], parameter, unit)
+        across, _ = scaled(spec, found["across"], parameter, unit)
         radius = in_unit(factor(spec.size, parameter), unit)
         trace = contour_error(trace, across, spec.shape, radius)
         name = f"{spec.of} and {spec.across} off the {spec.shape}"

@@ -1,25 +1,33 @@
 """Variables of one FMI type of one instance, moved in one call.
 
-Bound to the master's vector, doubles are read and written there in place;
-other types pass through a buffer of the FMU's own type.  What does not fit
-into an integer is refused; a Boolean is true if it is not 0.
+Bound to the master's vector, doubles and 64-bit integers are read and written there
+in place; other types pass through a buffer of the FMU's own type.  What does not fit
+is refused: a fraction for an integer, anything but 0 and 1 for a Boolean.
 """
 
 import ctypes
 from collections.abc import Sequence
 from itertools import groupby
-from math import inf, isfinite, trunc
+from math import inf
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator import kernel_library as c
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.native import library as c
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 WARNING, DISCARD, FATAL = 1, 2, 4
+
+_FLOAT32_MAX = float(np.finfo(np.float32).max)
+_BOUNDS = {
+    "Boolean": (0.0, 1.0),
+    "Real": (-inf, inf),
+    "Float64": (-inf, inf),
+    "Float32": (-_FLOAT32_MAX, _FLOAT32_MAX),
+}
 
 _FMI2 = {
     "Real": "Real",
@@ -68,10 +76,7 @@ class Group:
         kind = variables[0].fmi_type
         self.major = instance.description.fmi_major
         fmi2 = self.major == 2
-        if fmi2:
-            kind = _FMI2[kind]
-        elif kind == "Enumeration":
-            kind = "Int64"
+        kind = _FMI2[kind] if fmi2 else _fmi3(kind)
         boolean = ctypes.c_int if fmi2 else ctypes.c_bool
         self.element: Any = boolean if kind == "Boolean" else _CTYPES[kind]
         self.instance, self.kind, self.names = instance, kind, variables[0].name
@@ -79,7 +84,7 @@ class Group:
         references = (ctypes.c_uint * len(variables))(*(v.reference for v in variables))
         self.references = references
         self.first, self.vector = first, vector
-        self.in_place = vector is not None and self.element is ctypes.c_double
+        self.in_place = vector is not None and self.element in c.IN_PLACE
         row = self.element * self.size
         if vector is not None and self.in_place:
             self.buffer: Any = row.from_buffer(vector.data, 8 * first)
@@ -121,44 +126,32 @@ class Group:
         self._call("set", self.setter)
 
     def get(self) -> list[float]:
-        """Return the FMU's variables."""
+        """Return the FMU's variables, 64-bit integers as such."""
         self._call("get", self.getter)
-        return [float(v) for v in self.buffer]
+        whole = self.element in (ctypes.c_int64, ctypes.c_uint64)
+        return list(self.buffer) if whole else [float(v) for v in self.buffer]
 
     def fill(self, values: Sequence[float]) -> None:
         """Put values into the buffer.
 
         Raises:
-            SimulationError: one does not fit into the FMU's integer type.
+            SimulationError: one does not fit into the FMU's type.
         """
-        if self.element in (ctypes.c_double, ctypes.c_float):
-            self.buffer[:] = list(values)
-        elif self.kind == "Boolean":
-            self.buffer[:] = [v != 0 for v in values]
-        else:
-            if not all(map(self._fits, values)):
-                raise self.misfit(values)
-            self.buffer[:] = [trunc(v) for v in values]
+        if not all(map(self._fits, values)):
+            raise self.misfit(values)
+        fractions = self.element in (ctypes.c_double, ctypes.c_float)
+        self.buffer[:] = list(values) if fractions else [int(v) for v in values]
 
     def _fits(self, value: float) -> bool:
-        low, high = self.bounds()
-        return isfinite(value) and low <= trunc(value) <= high
+        return fits(self.instance.description.fmi_major, self.kind, value)
 
     def misfit(self, values: Sequence[float]) -> SimulationError:
-        """Return the error for the first value that does not fit the integer type."""
+        """Return the error for the first value that does not fit the type."""
         value = next(v for v in values if not self._fits(v))
-        why = f"was given {value}, which does not fit"
+        low, high = bounds(self.major, self.kind)
+        kind = "number" if self.kind == "Float32" else "whole number"
+        why = f"was given {value}, but takes {kind}s from {low} to {high}"
         return self.instance.fail(self._named("set"), why)
-
-    def bounds(self) -> tuple[float, float]:
-        """Return the least and the largest value of an integer type."""
-        if self.kind == "Boolean" or self.element in (ctypes.c_double, ctypes.c_float):
-            return -inf, inf
-        unsigned = self.element(-1).value > 0
-        bits = 8 * ctypes.sizeof(self.element)
-        return (
-            (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-        )
 
     @property
     def place(self) -> int:
@@ -179,6 +172,28 @@ class Group:
             raise self.failure(verb, status)
 
 
+def fits(fmi_major: int, kind: str, value: float) -> bool:
+    """Tell whether an FMI type holds a value exactly (Float32: within its range)."""
+    if kind in ("Real", "Float64"):
+        return True
+    low, high = bounds(fmi_major, kind)
+    return low <= value <= high and (kind == "Float32" or value == value // 1)
+
+
+def bounds(fmi_major: int, kind: str) -> tuple[float, float]:
+    """Return the least and the greatest value of an FMI type."""
+    if kind in _BOUNDS:
+        return _BOUNDS[kind]
+    element = _CTYPES[_FMI2[kind] if fmi_major == 2 else _fmi3(kind)]
+    unsigned = element(-1).value > 0
+    bits = 8 * ctypes.sizeof(element)
+    return (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def _fmi3(kind: str) -> str:
+    return "Int64" if kind == "Enumeration" else kind
+
+
 def groups(
     instance: Owner,
     variables: Sequence[FmuVariable],
@@ -197,7 +212,7 @@ def group_table(group: Group) -> c.Group:
     """Return the kernel's view of a group, which must be kept alive."""
     major = group.major
     boolean = group.kind == "Boolean"
-    low, high = group.bounds()
+    low, high = bounds(major, group.kind)
     return c.Group(
         get=c.address(group.getter),
         set=c.address(group.setter),
@@ -207,7 +222,7 @@ def group_table(group: Group) -> c.Group:
         values=group.place,
         buffer=ctypes.addressof(group.buffer),
         low=low,
-        above=high + 1,
+        high=high,
         type=c.BOOLEANS[major] if boolean else c.TYPES.index(group.element),
         major=major,
     )

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
-from orchestrator.fmu import FmuVariable
+from orchestrator.fmu.description import FmuVariable
+from orchestrator.master.layout import Column, Wiring
+from orchestrator.master.simulate import plan, simulate
 from orchestrator.peers.environment import (
     PEERS,
     Peer,
@@ -31,9 +33,7 @@ from orchestrator.result import Result
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import Scenario
 from orchestrator.session import naming, run_earlier
-from orchestrator.simulate import plan, simulate
 from orchestrator.system import System
-from orchestrator.wiring import Column, Wiring
 
 SHIFTS = (0, 1, -1, 2, -2)  # samples, the likeliest first
 
@@ -138,7 +138,7 @@ def _recording(system: System) -> System:
         if _is_output(wiring, column)
     }
     names = sorted(outputs | recorded)
-    return replace(system, record=dict.fromkeys(names, period))
+    return replace(system, record=dict.fromkeys(names, (period,)))
 
 
 def _ours(system: System, component: str, theirs: str) -> str:

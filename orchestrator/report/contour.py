@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.metrics import scaled
 from orchestrator.evaluation.motion import contour_error, nearest_on_contour
 from orchestrator.evaluation.schema import ContourMetric
@@ -57,9 +58,10 @@ def traced(run: "Run", label: str) -> Iterable[Traced]:
     for name, metric in run.scenario.spec.metrics.items():
         if not isinstance(metric, ContourMetric):
             continue
-        of = run[metric.of]
+        found = taken(metric, run)
+        of = found["of"]
         x, unit = scaled(metric, of, parameter, metric.unit)
-        y, _ = scaled(metric, run[metric.across], parameter, unit)
+        y, _ = scaled(metric, found["across"], parameter, unit)
         size = metric.size
         if isinstance(size, str):
             size = parameter(size).to(unit).value

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.metrics import scaled
 from orchestrator.evaluation.schema import ErrorMetric
 from orchestrator.quantity import converter
@@ -146,7 +147,8 @@ def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
     for name, metric in run.scenario.spec.metrics.items():
         if not isinstance(metric, ErrorMetric):
             continue
-        of, against = run[metric.of], run[metric.against]
+        found = taken(metric, run)
+        of, against = found["of"], found["against"]
         parameter = run.composition.parameter
         actual, unit = scaled(metric, of, parameter, metric.unit)
         reference, _ = scaled(metric, against, parameter, unit)

@@ -14,9 +14,9 @@ import numpy as np
 
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
-from orchestrator.faults import describe
-from orchestrator.fmu import FmuDescription
-from orchestrator.ports import ports
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import ports
+from orchestrator.master.faults import describe
 from orchestrator.quantity import rate
 from orchestrator.report.contour import contours
 from orchestrator.report.figure import figure, name_of, names_of
@@ -52,6 +52,12 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
             f"{escape(run.diverged)}</p>"
             for run, name in zip(runs, names_of(runs), strict=True)
             if run.diverged
+        ),
+        *(
+            f"<p class=warning>{escape(f'{name}: ' if len(runs) > 1 else '')}"
+            f"{escape(str(run.ended))}</p>"
+            for run, name in zip(runs, names_of(runs), strict=True)
+            if run.ended
         ),
         *(
             f"<p class=warning>{escape(f'{name}: ' if len(runs) > 1 else '')}"

@@ -1,24 +1,28 @@
 """Published figures of a study against what its FMUs give.
 
 ``reference.toml`` (see ``reference.py``) says where each of our values comes from;
-every distinct run and call is made once.  Verdicts: ``FAILED``
-(acceptance missed, or the run does not have the figure), ``matches`` or
-``differs`` (against the published number), ``holds`` (acceptance met, nothing
-numeric published), ``computed``, ``out of reach``.
+every distinct run and call is made once.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.history.folder import Begun, taken
 from orchestrator.quantity import NoValue, Quantity
 from orchestrator.reproduction.formula import evaluate_formula
-from orchestrator.reproduction.reference import FigureSpec, read_reference
+from orchestrator.reproduction.reference import (
+    FigureSpec,
+    Reference,
+    Source,
+    read_reference,
+)
+from orchestrator.reproduction.verdict import Figure, judge_figure, summary
 from orchestrator.scenario.design import find_function
 from orchestrator.scenario.reading import find_study
 
@@ -30,44 +34,16 @@ Told: TypeAlias = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A published figure, ours, and the verdict; ``difference`` is ours - published.
+class Reproduction:
+    """A study's figures as far as they were wanted, and the tables they stand in."""
 
-    ``lost`` says why the run did not have the figure it should have.
-    """
+    reference: Reference
+    figures: tuple[Figure, ...]
 
-    spec: FigureSpec
-    value: float | None
-    verdict: str
-    lost: str = ""
-
-    @property
-    def difference(self) -> float | None:
-        published = self.spec.published
-        if self.value is None or not isinstance(published, float | int):
-            return None
-        return self.value - published
-
-    @property
-    def why(self) -> str:
-        """Why ours is missing or far from the published one, as far as known."""
-        return "; ".join(text for text in (self.lost, self.spec.why) if text)
-
-    def row(self) -> dict[str, Any]:
-        """Return the object that ``reproduce --json`` prints for this figure."""
-        return {
-            "id": self.spec.id,
-            "where": self.spec.where,
-            "published": self.spec.published,
-            "value": self.value,
-            "unit": self.spec.unit,
-            "class": self.spec.class_,
-            "verdict": self.verdict,
-            "expected": self.spec.expected,
-            "tolerance": self.spec.tolerance,
-            "difference": self.difference,
-            "why": self.why,
-        }
+    def as_json(self, study: str) -> dict[str, Any]:
+        """Return the object that ``reproduce --json`` prints."""
+        rows = [figure.row() for figure in self.figures]
+        return {"study": study, "summary": summary(self.figures), "figures": rows}
 
 
 def reproduce(
@@ -75,42 +51,51 @@ def reproduce(
     only: str = "*",
     *,
     processes: int | None = None,
-    runs: Path = Path("runs"),
+    folder: Path | None = None,
     told: Told = lambda text: None,
-) -> list[Figure]:
+) -> Reproduction:
     """Return the figures of a study whose id fits the pattern ``only``.
 
-    ``study`` is a study's name or folder.  Runs are kept under ``runs``; ``told``
-    hears of each run that ends.  More than four runs share two ``processes``.
+    ``study`` is a study's name or folder.  Runs are kept in ``folder`` (default
+    ``runs/<study>/reproduce/<n>``); ``told`` hears of each run that ends.  More than
+    four runs share two ``processes``.
 
     Raises:
         FeedDriveError: no such study or figure, or a run that fails.
     """
-    folder = study if isinstance(study, Path) else find_study(study)
-    reference = read_reference(folder / "reference.toml")
-    table = {spec.id: spec for spec in reference.figure}
-    wanted = [spec for spec in reference.figure if fnmatchcase(spec.id, only)]
+    place = study if isinstance(study, Path) else find_study(study)
+    reference = read_reference(place / "reference.toml")
+    table = reference.figures
+    wanted = [spec for spec in table.values() if fnmatchcase(spec.id, only)]
     if not wanted:
         raise ScenarioError(f"no figure fits {only!r}; {did_you_mean(only, table)}")
-    needed = _with_ingredients(wanted, table)
+    needed = _needed(wanted, table)
+    sources = [source for spec in needed for source in spec.sources()]
     jobs = dict.fromkeys(
-        _job(spec, folder) for spec in needed if spec.scenario is not None
+        _job(source, place) for source in sources if source.scenario is not None
     )
     at_once = processes or (2 if len(jobs) > 4 else 1)
-    measured = run_all(list(jobs), runs, at_once, told)
-    called: dict[str, Any] = {}
-    values: dict[str, Quantity | None] = {}
-    for spec in needed:  # ingredients come before what is made of them
-        try:
-            values[spec.id] = _value(spec, folder, measured, called, values)
-        except ScenarioError as error:
-            raise ScenarioError(f"{folder.name}: {spec.id}: {error}") from None
-    return [_judge(spec, values[spec.id], reference.agreement) for spec in wanted]
+    changed = () if only == "*" else (f"--only {only}",)
+    begun = Begun("reproduce", f"{place.name}/reproduce", changed)
+    with taken(folder, begun) as kept:
+        measured = run_all(list(jobs), kept.path, at_once, told)
+        called: dict[str, Any] = {}
+        values: dict[str, Quantity | None] = {}
+        for spec in needed:  # ingredients come before what is made of them
+            try:
+                values[spec.id] = _value(spec, place, measured, called, values)
+            except ScenarioError as error:
+                raise ScenarioError(f"{place.name}: {spec.id}: {error}") from None
+        figures = (judge_figure(spec, values, reference.agreement) for spec in wanted)
+        done = Reproduction(reference, tuple(figures))
+        kept.complete(done.as_json(place.name))
+    return done
 
 
-def _with_ingredients(
+def _needed(
     wanted: Sequence[FigureSpec], table: Mapping[str, FigureSpec]
 ) -> list[FigureSpec]:
+    """Return the figures wanted and those held against them, ingredients first."""
     ordered: dict[str, FigureSpec] = {}
     entered: list[str] = []
 
@@ -118,18 +103,22 @@ def _with_ingredients(
         if spec.id in entered:
             raise ScenarioError(f"figure {spec.id} is made of itself")
         entered.append(spec.id)
-        for name in spec.with_.values():
-            enter(table[name])
+        for source in spec.sources():
+            for of in source.with_.values():
+                if isinstance(of, str):
+                    enter(table[of])
         entered.remove(spec.id)
         ordered.setdefault(spec.id, spec)
 
     for spec in wanted:
         enter(spec)
+        if spec.other is not None:
+            enter(table[spec.other])
     return list(ordered.values())
 
 
-def _job(spec: FigureSpec, folder: Path) -> Job:
-    return str(folder / f"{spec.scenario}.toml"), spec.set
+def _job(source: Source, folder: Path) -> Job:
+    return str(folder / f"{source.scenario}.toml"), source.set
 
 
 def run_all(
@@ -138,7 +127,7 @@ def run_all(
     """Run each scenario once, some at a time; return their figures."""
     measured = {}
     folders = {
-        job: runs / Path(job[0]).parent.name / f"{number:03d}_{Path(job[0]).stem}"
+        job: runs / f"{number:03d}_{Path(job[0]).stem}"
         for number, job in enumerate(jobs)
     }
     if processes == 1 or len(jobs) == 1:
@@ -182,73 +171,57 @@ def _designed(done: "Run") -> dict[str, Quantity]:
 
 
 def _value(
-    spec: FigureSpec,
+    source: Source,
     folder: Path,
     measured: Mapping[Job, Mapping[str, Quantity]],
     called: dict[str, Any],
     values: Mapping[str, Quantity | None],
 ) -> Quantity | None:
-    if spec.scenario is not None and spec.metric is not None:
-        figures = measured[_job(spec, folder)]
-        if spec.metric not in figures:
-            remedy = did_you_mean(spec.metric, figures)
-            raise ScenarioError(f"{spec.scenario} has no {spec.metric!r}; {remedy}")
-        return figures[spec.metric].to(spec.unit)
-    if spec.call is not None:
-        return Quantity(_called(spec, called), spec.unit)
-    if spec.formula is not None:
-        return _made_of(spec, spec.formula, values)
+    if source.scenario is not None and source.metric is not None:
+        figures = measured[_job(source, folder)]
+        if source.metric not in figures:
+            remedy = did_you_mean(source.metric, figures)
+            raise ScenarioError(f"{source.scenario} has no {source.metric!r}; {remedy}")
+        return figures[source.metric].to(source.unit)
+    if source.call is not None:
+        return Quantity(_called(source, source.call, called), source.unit)
+    if source.formula is not None:
+        of = {
+            name: values[of]
+            if isinstance(of, str)
+            else _value(of, folder, measured, called, values)
+            for name, of in source.with_.items()
+        }
+        return _made_of(source, source.formula, of)
     return None
 
 
 def _made_of(
-    spec: FigureSpec, formula: str, values: Mapping[str, Quantity | None]
+    source: Source, formula: str, ingredients: Mapping[str, Quantity | None]
 ) -> Quantity | None:
-    ingredients = {name: values[of] for name, of in spec.with_.items()}
+    known: dict[str, float] = {}
     for name, value in ingredients.items():
         if isinstance(value, NoValue):
-            return NoValue(spec.unit, why=f"{spec.with_[name]}: {value.why}")
-    known = {k: v.value for k, v in ingredients.items() if v is not None}
-    if len(known) < len(ingredients):
-        return None
-    return Quantity(evaluate_formula(formula, known), spec.unit)
+            return NoValue(source.unit, why=f"{name}: {value.why}")
+        if value is None:
+            return None
+        known[name] = value.value
+    return Quantity(evaluate_formula(formula, known), source.unit)
 
 
-def _called(spec: FigureSpec, called: dict[str, Any]) -> float:
-    assert spec.call is not None
-    identity = f"{spec.call} {sorted(spec.arguments.items())}"
+def _called(source: Source, call: str, called: dict[str, Any]) -> float:
+    identity = f"{call} {sorted(source.arguments.items())}"
     if identity not in called:
-        function = find_function(spec.call)
+        function = find_function(call)
         try:
-            called[identity] = function(**spec.arguments)
+            called[identity] = function(**source.arguments)
         except Exception as error:
             fault = f"{type(error).__name__}: {error}"
-            raise ScenarioError(f"{spec.call} failed: {fault}") from error
+            raise ScenarioError(f"{call} failed: {fault}") from error
     found = called[identity]
-    if spec.key is None:
+    if source.key is None:
         return float(found)
-    if spec.key not in found:
-        remedy = did_you_mean(spec.key, found)
-        raise ScenarioError(f"{spec.call} gives no {spec.key!r}; {remedy}")
-    return float(found[spec.key])
-
-
-def _judge(spec: FigureSpec, found: Quantity | None, agreement: float) -> Figure:
-    if found is None:
-        return Figure(spec, None, "out of reach")
-    if isinstance(found, NoValue):
-        return Figure(spec, None, "FAILED", found.why)
-    value = found.value
-    figure = Figure(spec, value, "")
-    missed = (
-        spec.expected is not None
-        and spec.tolerance is not None
-        and not abs(value - spec.expected) <= spec.tolerance
-    )
-    if missed:
-        return replace(figure, verdict="FAILED")
-    if isinstance(spec.published, float | int):
-        limit = (spec.agreement or agreement) * abs(spec.published)
-        matches = abs(value - spec.published) <= limit
-        return replace(figure, verdict="matches" if matches else "differs")
-    return replace(figure, verdict="computed" if spec.expected is None else "holds")
+    if source.key not in found:
+        remedy = did_you_mean(source.key, found)
+        raise ScenarioError(f"{call} gives no {source.key!r}; {remedy}")
+    return float(found[source.key])

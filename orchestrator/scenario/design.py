@@ -17,9 +17,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fmus.model import is_record, leaves
+from fmus.own import at_home
 from orchestrator.errors import DesignError, FeedDriveError, did_you_mean
 from orchestrator.result import Signal
 from orchestrator.scenario.design_cache import remembered
+from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.schema import DesignSpec, parse_value
 from orchestrator.system import Value
 
@@ -70,8 +72,11 @@ def find_function(call: str) -> Callable[..., Any]:
         DesignError: there is no such module or function.
     """
     module_name, _, function_name = call.partition(":")
+    if why := refusal(module_name):
+        raise DesignError(f"call = {call!r}: {why}")
     try:
-        module = importlib.import_module(module_name)
+        with at_home():
+            module = importlib.import_module(module_name)
     except ImportError as error:
         raise DesignError(f"call = {call!r}: cannot import it ({error})") from None
     function = getattr(module, function_name, None)
@@ -100,7 +105,8 @@ def call(
         takes = f"it takes {', '.join(signature.parameters)}"
         raise DesignError(f"{error}; {' '.join(remedies) or takes}") from None
     try:
-        returned = function(**arguments)
+        with at_home():
+            returned = function(**arguments)
     except FeedDriveError:
         raise
     except Exception as error:

@@ -9,10 +9,11 @@ from pathlib import Path
 from fmus.build import BuildError, build, load_model
 from fmus.model import Sampled
 from orchestrator.errors import ScenarioError
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.description import read_fmu
+from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
-from orchestrator.system import Component, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ def locate(
         if period is None:
             raise ScenarioError(f'{where}: step is missing, e.g. step = "1/20000"')
         return Located(path, written, period)
+    if why := refusal(written):
+        raise ScenarioError(f"{where}.fmu: {why}")
     module = written
     if written.endswith(".py"):
         file = scenario.file.parent / written
@@ -89,4 +92,6 @@ def component_of(
             float(spec.answer_within),
             spec.memory_limit,
         ),
+        experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
+        split=spec.split,
     )

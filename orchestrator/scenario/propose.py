@@ -14,7 +14,7 @@ from difflib import SequenceMatcher
 import numpy as np
 
 from fmus.units import UnitError, conversion
-from orchestrator.fmu import FmuDescription, FmuVariable
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.system import System, split_name
 
 LEAST = 1.0  # points below which two variables have nothing in common

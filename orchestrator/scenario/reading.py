@@ -22,10 +22,11 @@ from typing import Any, TypeAlias
 from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.evaluation.rates import RateContext
 from orchestrator.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
-from orchestrator.scenario.schema import RateContext, Specification
+from orchestrator.scenario.schema import Specification
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
@@ -39,19 +40,23 @@ REMOVABLE = (
     "metrics",
     "expect",
 )
-_KEPT = ("step", "offset", "latency", "kind")  # by a component that is swapped
+_KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 _NOT_SCENARIOS = ("reference.toml",)
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A validated scenario: its name, its file, what it says after overrides."""
+    """A validated scenario: its name, its file, what it says after overrides.
+
+    ``swapped`` are its swaps, written ``component=fmu``.
+    """
 
     name: str
     file: Path
     spec: Specification
     nominal: Specification
     overrides: tuple[str, ...] = ()
+    swapped: tuple[str, ...] = ()
 
     def beside(self, name: str) -> str:
         """Return the full name or path of a scenario named from within this one."""
@@ -97,7 +102,8 @@ def scenario_from(
             apply_override(plain, text)
     nominal = _validate(plain, file)
     spec = _validate(changed, file) if changed != plain else nominal
-    return Scenario(scenario_name(file), file, spec, nominal, tuple(overrides))
+    swapped = tuple(f"{name}={swap['fmu']}" for name, swap in (swaps or {}).items())
+    return Scenario(scenario_name(file), file, spec, nominal, tuple(overrides), swapped)
 
 
 def find_scenario(name: str | Path) -> Path:

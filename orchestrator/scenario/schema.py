@@ -5,12 +5,12 @@ A rate name stands wherever a period may stand.  In ``connections`` and
 ``"controller.*" = "trajectory.*"`` connects every input of the controller to
 the trajectory's output of that name, ``"encoder.x_*" = "plant.x_*"`` likewise;
 a list of sources is tried in order of writing, and a line for a single input
-wins over a star.  A number as source is a constant.
+wins over a star.  A number as source is a constant.  A signal may be recorded
+at several rates: ``"plant.x_2" = ["20 kHz", "1 kHz"]``.
 """
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -25,19 +25,12 @@ from pydantic import (
 )
 
 from orchestrator.errors import did_you_mean
+from orchestrator.evaluation.rates import RateContext, named_period
 from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
 from orchestrator.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
 _RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
-
-
-@dataclass
-class RateContext:
-    """The rates of the scenario being validated, and whether they could be read."""
-
-    rates: dict[str, Fraction] = field(default_factory=dict)
-    readable: bool = True
 
 
 def parse_value(value: Any) -> Value:
@@ -63,20 +56,13 @@ def parse_value(value: Any) -> Value:
     return float(value)
 
 
-def _period(value: Any, info: ValidationInfo) -> Fraction:
-    rates = info.context.rates if info.context else {}
-    if isinstance(value, str) and value in rates:
-        period: Fraction = rates[value]
-        return period
-    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_]\w*", value):
-        if info.context and not info.context.readable:
-            return Fraction(1)  # the scenario is refused for its rates alone
-        raise ValueError(f"there is no rate {value!r}; {did_you_mean(value, rates)}")
-    return parse_period(value)
-
-
-def _row(value: Any, info: ValidationInfo) -> Fraction | None:
-    return None if value is True else _period(value, info)
+def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
+    """Return the row periods of a record; None is that of the component."""
+    several = value if isinstance(value, list) else [value]
+    if not several:
+        raise ValueError("give a rate, a list of rates, or true")
+    found = [None if one is True else named_period(one, info) for one in several]
+    return tuple(dict.fromkeys(found))
 
 
 def _source(value: Any) -> float | str | tuple[str, ...]:
@@ -92,8 +78,8 @@ def _source(value: Any) -> float | str | tuple[str, ...]:
 
 Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
-Period: TypeAlias = Annotated[Fraction, PlainValidator(_period)]
-Row: TypeAlias = Annotated[Fraction | None, PlainValidator(_row)]
+Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
+Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
 Number: TypeAlias = Annotated[Value, PlainValidator(parse_value)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
 
@@ -102,9 +88,23 @@ class MapSpec(Strict):
     """A foreign variable under our name: theirs, gain, offset, unit of our side."""
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
+
+    @field_validator("gain")
+    @classmethod
+    def _passes_something(cls, value: float | None) -> float | None:
+        if value is not None and (value == 0 or not np.isfinite(value)):
+            raise ValueError(f"{value} is no gain: a finite number other than zero")
+        return value
+
+
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
 
 
 class ComponentSpec(Strict):
@@ -121,6 +121,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod
@@ -208,7 +210,7 @@ class Specification(Strict):
     connections: dict[str, Source] = Field(default_factory=dict)
     faults: dict[str, tuple[FaultSpec, ...]] = Field(default_factory=dict)
     design: dict[str, DesignSpec] = Field(default_factory=dict)
-    record: dict[str, Row] = Field(default_factory=dict)
+    record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from orchestrator.errors import WiringError, did_you_mean
-from orchestrator.fmu import FmuDescription
-from orchestrator.ports import ports
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import ports
 from orchestrator.scenario.schema import Specification
 from orchestrator.system import Component, Value, split_name
 
@@ -110,14 +110,14 @@ def open_record(
     spec: Specification,
     components: Mapping[str, Component],
     fmus: Mapping[str, FmuDescription],
-) -> dict[str, Fraction]:
-    """Return the row period of each recorded variable; a star takes all outputs.
+) -> dict[str, tuple[Fraction, ...]]:
+    """Return the row periods of each recorded variable; a star takes all outputs.
 
     Raises:
         WiringError: no output fits the star.
     """
     record = {}
-    for variable, row in spec.record.items():
+    for variable, rows in spec.record.items():
         component, pattern = split_name(variable)
         part = components[component]
         wanted = [pattern]
@@ -130,5 +130,6 @@ def open_record(
                     f"{did_you_mean(pattern, outputs)}"
                 )
         for name in wanted:
-            record[f"{component}.{name}"] = row or part.period
+            periods = (row or part.period for row in rows)
+            record[f"{component}.{name}"] = tuple(dict.fromkeys(periods))
     return record

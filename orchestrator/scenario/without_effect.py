@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 
 from orchestrator.errors import WiringError
-from orchestrator.fmu import FmuDescription
-from orchestrator.ports import ports
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import ports
 from orchestrator.system import Component, System, split_name
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from measure import carry_out
 
+from orchestrator.master.simulate import plan, simulate
 from orchestrator.peers.second_opinion import peer_job
-from orchestrator.simulate import plan, simulate
 from orchestrator.system import Component, System
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))

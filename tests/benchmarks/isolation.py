@@ -14,7 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from fmus.build import build
-from orchestrator.simulate import simulate
+from orchestrator.master.simulate import simulate
 from orchestrator.system import Component, Isolation, System
 
 LAG = Path(__file__).with_name("models") / "lag.py"

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
-from orchestrator.fmu import FmuVariable
-from orchestrator.order import initial_order
-from orchestrator.timetable import Op, Program, Timetable
-from orchestrator.wiring import Copy, Part
+from orchestrator.fmu.description import FmuVariable
+from orchestrator.master.layout import Copy, Part
+from orchestrator.master.order import initial_order
+from orchestrator.master.timetable import Op, Program, Timetable
 
 HEAD = Path(__file__).with_name("limit_head.c")
 

@@ -15,9 +15,9 @@ from limit import limit_source
 from workloads import STEPS, system
 
 from fmus.compile import FLAGS
+from orchestrator.master.simulate import plan
 from orchestrator.peers.environment import PEERS, install
 from orchestrator.peers.second_opinion import peer_job
-from orchestrator.simulate import plan
 from orchestrator.system import Component, System
 
 HERE = Path(__file__).parent

@@ -49,10 +49,12 @@ def test_a_built_fmu_is_taken_from_the_cache(monkeypatch):
 
 
 def test_a_warm_build_imports_neither_model_nor_tools():
-    build("plants.ball_screw")
-    heavy = "('casadi', 'lxml', 'pint', 'pythonfmu', 'fmpy', 'plants.ball_screw')"
+    build("plants.ball_screw.two_mass")
+    heavy = (
+        "('casadi', 'lxml', 'pint', 'pythonfmu', 'fmpy', 'plants.ball_screw.two_mass')"
+    )
     code = (
-        "import sys; from fmus.build import build; build('plants.ball_screw');"
+        "import sys; from fmus.build import build; build('plants.ball_screw.two_mass');"
         f"print([m for m in {heavy} if m in sys.modules])"
     )
     done = subprocess.run(
@@ -316,3 +318,10 @@ def test_a_full_disk_is_named_with_the_file_that_was_asked_for(monkeypatch, tmp_
         build(PI, folder=tmp_path / "out")
     assert refusal.value.filename == str(tmp_path / "out" / "SmallPI.fmu")
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_model_whose_numbers_hold_for_one_period_is_built_for_no_other(tmp_path):
+    path = copied(tmp_path, one=("2000), prepare", "2000), prepare, period_fixed=True"))
+    build(path, period=load_model(path).period)
+    with pytest.raises(BuildError, match="sampled every 1/2000 s alone"):
+        build(path, period=Fraction(1, 3000))

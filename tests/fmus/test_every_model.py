@@ -20,8 +20,12 @@ from subject import Instance, Subject, subject
 from fmus.build import build
 
 SAME = 1e-12
-REPRESENTATIVES = ("plants.ball_screw_drive", "controllers.mc_ppc", "plants.encoder")
-LIVELIEST = ("plants.ball_screw_drive", "plants.gantry_drive")
+REPRESENTATIVES = (
+    "plants.ball_screw.drive",
+    "controllers.ball_screw.mc_ppc",
+    "plants.ball_screw.encoder",
+)
+LIVELIEST = ("plants.ball_screw.drive", "plants.gantry.drive")
 PLATFORMS = (
     "linux-x86_64",
     "linux-aarch64",

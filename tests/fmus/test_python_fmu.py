@@ -233,7 +233,7 @@ def test_numba_is_never_imported(name):
 
 
 def test_what_is_bundled_imports_numpy_only():
-    files = closure("controllers.mc_ppc") | closure("fmus.slave")
+    files = closure("controllers.ball_screw.mc_ppc") | closure("fmus.slave")
     imported = {
         name
         for file in files.values()

@@ -26,7 +26,7 @@ class Unpacked:
     """A Python FMU in a folder, instantiated by the bare call of FMI."""
 
     def __init__(self, folder: Path) -> None:
-        fmu = build("plants.encoder", kind="python")
+        fmu = build("plants.ball_screw.encoder", kind="python")
         fmpy.extract(str(fmu), str(folder))
         description = read_model_description(str(folder))
         self.guid = description.guid
@@ -130,7 +130,7 @@ def test_a_host_without_python_is_told_so(
 
 
 def test_every_platform_holds_both_libraries() -> None:
-    with ZipFile(build("plants.encoder", kind="python")) as archive:
+    with ZipFile(build("plants.ball_screw.encoder", kind="python")) as archive:
         held = {n for n in archive.namelist() if n.startswith("binaries/")}
         gates = {n: archive.read(n) for n in held if "/Encoder." in n}
     assert held == {

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.master.simulate import simulate
 from orchestrator.result import Result
-from orchestrator.simulate import simulate
 from orchestrator.system import System
 
 

@@ -66,7 +66,7 @@ parameters = {{ mode = {MODES.index(mode)}, at = {at} }}
         )
         command = [sys.executable, "-m", "orchestrator", "run", scenario.name]
         return subprocess.Popen(
-            [*command, "-o", str(self.folder)],
+            [*command, "-o", str(self.folder), "--overwrite"],
             cwd=self.place,
             env={**os.environ, "TMPDIR": str(self.temporary)},
             stdout=subprocess.PIPE,

@@ -25,14 +25,14 @@ stop = "0.02"
 [rates]
 control = "20 kHz"
 [components.trajectory]
-fmu = "controllers.trajectory"
+fmu = "controllers.references.trajectory"
 step = "control"
 parameters = { stroke = 1e-4, t_0 = 0 }
 [components.plant]
-fmu = "plants.ball_screw"
+fmu = "plants.ball_screw.two_mass"
 step = "control"
 [components.controller]
-fmu = "controllers.mc_ppc"
+fmu = "controllers.ball_screw.mc_ppc"
 latency = 1
 [connections]
 "controller.*" = "trajectory.*"
@@ -40,7 +40,7 @@ latency = 1
 "controller.u_d" = 0.25
 "plant.u" = "controller.u"
 [design.gains]
-call = "controllers.synthesis.pole_placement:design"
+call = "controllers.synthesis.ball_screw.pole_placement:design"
 arguments = { m_1 = "plant.m_1", m_2 = "plant.m_2", b_1 = "plant.b_1", b_2 = "plant.b_2", k = "plant.k", c = "plant.c" }
 sets = "controller"
 [record]
@@ -58,8 +58,8 @@ u = { kind = "peak", of = "controller.u" }
 BARE = '''"""The drive without the parameters that a figure or a design may ask for."""
 from typing import NamedTuple
 from fmus.model import Continuous
-from plants import ball_screw
-from plants.ball_screw import Input, State
+from plants.ball_screw import two_mass as ball_screw
+from plants.ball_screw.two_mass import Input, State
 class Parameters(NamedTuple):
     """None."""
 def derivative(x, u, p):
@@ -101,8 +101,9 @@ def test_a_run_gives_signals_figures_checks_and_a_folder(drive, tmp_path):
     written = json.loads((tmp_path / "out/metrics.json").read_text())
     assert written == done.summary()
     keys = {"scenario", "stop", "metrics", "diverged", "timing", "result"}
-    assert set(written) == keys | {"warnings", "executor"}
+    assert set(written) == keys | {"number", "warnings", "executor"}
     assert (written["warnings"], written["executor"]) == ([], "kernel")
+    assert written["number"] is None
     assert written["diverged"] is None
     page = (tmp_path / "out/report.html").read_text()
     assert "Short move" in page
@@ -197,9 +198,9 @@ def test_stars_are_opened_and_constants_become_start_values(drive):
         ('"controller.u" = "1 kHz"', "", ScenarioError, '"controller.u" = true'),
         ('unit = "um"', 'unit = "V"', ScenarioError, "metrics.tracking"),
         ('"plant.r_g"', '"plant.r_q"', ScenarioError, "'r_g'"),
-        ("plants.ball_screw", "their.fmu", FmuError, "their.fmu"),
-        ("plants.ball_screw", "model.py", ScenarioError, "model.py"),
-        ("plants.ball_screw", "plants.ball_scrw", BuildError, "plants.ball_scrw"),
+        ("plants.ball_screw.two_mass", "their.fmu", FmuError, "their.fmu"),
+        ("plants.ball_screw.two_mass", "model.py", ScenarioError, "model.py"),
+        ("plants.ball_screw.two_mass", "plants.bal", BuildError, "plants.bal"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_before_the_run(

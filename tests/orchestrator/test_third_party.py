@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 from fmus.compile import host_platform
 from orchestrator.cli import app
 from orchestrator.errors import FmuError
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.description import read_fmu
+from orchestrator.master.simulate import simulate
 from orchestrator.result import Result
 from orchestrator.session import run as run_scenario
-from orchestrator.simulate import simulate
 from orchestrator.system import Component
 
 pytestmark = pytest.mark.skipif(
@@ -59,7 +59,7 @@ stop = 1
 fmu = "{openmodelica["Mass_Damper"]}"
 step = "1/1000"
 [components.force]
-fmu = "plants.rope_snap"
+fmu = "plants.disturbances.rope_snap"
 step = "1/1000"
 [components.plant.map]
 pull = {{ name = "f", unit = "V" }}
@@ -87,14 +87,14 @@ pull = {{ name = "f", unit = "V" }}
 REGULATOR = """
 stop = "1/4"
 [components.force]
-fmu = "plants.rope_snap"
+fmu = "plants.disturbances.rope_snap"
 step = "1/2000"
 [components.plant]
-fmu = "plants.linear_motor"
+fmu = "plants.gantry.x_axis"
 step = "1/2000"
 parameters = { m_x = 0.5 }
 [components.controller]
-fmu = "controllers.speed_pi"
+fmu = "controllers.xy_table.speed_pi"
 step = "1/2000"
 kind = "sampled"
 latency = 1

@@ -19,10 +19,10 @@ from scipy.signal import lfilter
 from systems import part, system
 
 from fmus.build import build
+from orchestrator.master.simulate import simulate
 from orchestrator.outcome import Run
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
-from orchestrator.simulate import simulate
 
 STUDY = "ball_screw_pole_placement"
 T = 1 / 20_000
@@ -186,7 +186,7 @@ def test_the_composite_in_a_foreign_jacobi_master_has_latency_one(
     ours = simulated("mc_ppc_track_1000", tmp_path / "ours")
     controller, drive = (
         opened(build(module), tmp_path / module)
-        for module in ("controllers.mc_ppc", "plants.ball_screw")
+        for module in ("controllers.ball_screw.mc_ppc", "plants.ball_screw.two_mass")
     )
     design = ours.composition.designs["gains"].values
     names, values = list(design), [float(design[name]) for name in design]  # type: ignore[arg-type]
@@ -240,7 +240,7 @@ def test_a_current_loop_split_from_the_plant_converges_with_first_order(
     step = {"u": 1.0}
     on = {"current_loop.on": True}
     whole = part(
-        "plant", "plants.ball_screw_drive", "1/1000", start=step, parameters=on
+        "plant", "plants.ball_screw.drive", "1/1000", start=step, parameters=on
     )
     row = {"plant.x_2": "1/1000"}
     exact = simulate(system("1/50", [whole], record=row), tmp_path)["plant.x_2"].values
@@ -248,8 +248,8 @@ def test_a_current_loop_split_from_the_plant_converges_with_first_order(
     for us in (4, 2, 1):
         every = f"{us}/1000000"
         parts = [
-            part("current", "plants.current_loop", every, start=step),
-            part("plant", "plants.ball_screw", every),
+            part("current", "plants.ball_screw.current_loop", every, start=step),
+            part("plant", "plants.ball_screw.two_mass", every),
         ]
         wires = {"plant.u": "current.u_a"}
         split = simulate(system("1/50", parts, wires, row), tmp_path)
@@ -267,7 +267,8 @@ def test_the_split_current_loop_costs_what_the_design_says(tmp_path: Path) -> No
     split.write_text(
         'base = "mc_ppc_sensitivity_165.toml"\n'
         '[components.plant.parameters]\n"current_loop.on" = false\n'
-        '[components.current]\nfmu = "plants.current_loop"\nstep = "control"\n'
+        '[components.current]\nfmu = "plants.ball_screw.current_loop"\n'
+        'step = "control"\n'
         '[connections]\n"current.u" = "controller.u"\n"plant.u" = "current.u_a"\n'
     )
     result = run(load_scenario(split), tmp_path / "run", report=False)

@@ -108,9 +108,9 @@ def test_the_split_cascade_is_the_composite_to_the_last_bit(co_simulated: Co) ->
 
 
 def test_every_figure_of_the_study_keeps_its_acceptance(tmp_path: Path) -> None:
-    figures = reproduce(STUDY, processes=1, runs=tmp_path)
-    assert [f.spec.id for f in figures if f.verdict == "FAILED"] == []
-    matched = {f.spec.id for f in figures if f.verdict == "matches"}
+    figures = reproduce(STUDY, processes=1, folder=tmp_path).figures
+    assert [f.spec.id for f in figures if f.regression == "FAILED"] == []
+    matched = {f.spec.id for f in figures if f.verdict == "agrees"}
     table_2 = {f"{c}.{f}.max_error" for c in ("p_pi", "np_pi") for f in FREQUENCIES}
     assert table_2 <= matched
     assert {f"np_pi.{f}.improvement" for f in FREQUENCIES} <= matched
@@ -148,7 +148,7 @@ def test_a_disturbance_meets_the_loop_of_equation_8(
         .replace("amplitude = 10e-3", "amplitude = 0")
         .replace("[connections]", '[connections]\n"plant.d" = "force.d"')
         .partition("[metrics]")[0]
-        + '[components.force]\nfmu = "plants.excitation"\nstep = "40 kHz"\n'
+        + '[components.force]\nfmu = "plants.disturbances.sine"\nstep = "40 kHz"\n'
         "parameters = { A = 0.1, f_hz = 5 }\n"
     )
     found = run(file, tmp_path / "run", report=False)

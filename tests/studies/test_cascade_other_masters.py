@@ -16,9 +16,9 @@ from orchestrator.session import run
 T = 1 / 2000
 N = 1000
 REFERENCE, CONTROLLER, PLANT = (
-    "controllers.sine_reference",
-    "controllers.np_pi",
-    "plants.xy_table",
+    "controllers.references.sine",
+    "controllers.xy_table.np_pi",
+    "plants.xy_table.axis",
 )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.synthesis import gantry_identification
+from controllers.synthesis.gantry import identification as gantry_identification
 from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.scenario.reading import load_scenario
@@ -48,8 +48,8 @@ def co_simulated(tmp_path_factory: pytest.TempPathFactory) -> Co:
 def test_figures_are_within_the_tolerances_of_the_study(
     only: str, tmp_path: Path
 ) -> None:
-    figures = reproduce("gantry", only, processes=1, runs=tmp_path)
-    assert [f.spec.id for f in figures if f.verdict == "FAILED"] == []
+    figures = reproduce("gantry", only, processes=1, folder=tmp_path).figures
+    assert [f.spec.id for f in figures if f.regression == "FAILED"] == []
     assert any(f.spec.expected is not None for f in figures)
 
 

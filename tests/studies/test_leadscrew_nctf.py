@@ -243,6 +243,6 @@ def test_halving_the_micro_step_changes_no_figure(
 
 
 def test_the_quick_figures_of_the_study_are_accepted(tmp_path: Path) -> None:
-    figures = reproduce(STUDY, "jury.*", processes=1, runs=tmp_path)
+    figures = reproduce(STUDY, "jury.*", processes=1, folder=tmp_path).figures
     assert len(figures) >= 8
-    assert [f.spec.id for f in figures if f.verdict == "FAILED"] == []
+    assert [f.spec.id for f in figures if f.regression == "FAILED"] == []

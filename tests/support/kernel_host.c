@@ -1,7 +1,8 @@
 /* Runs kernel.c on an FMU linked into this program: 1000 times create, initialise,
    run 50 instants with a latency line and a table, free.  TOKEN is the FMU's;
    with CLOCKED every fourth instance is ticked by its clock. */
-#include "../../orchestrator/kernel.c"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#include "../../orchestrator/native/kernel.c"
 
 #include "fmi2Functions.h"
 #include "fmi3Functions.h"
@@ -60,11 +61,14 @@ static void run(int major, int clocked) {
     Ticker ticker = {(Function *)fmi3SetClock, (Function *)fmi3UpdateDiscreteStates,
                      (Function *)fmi3EnterStepMode, (Function *)fmi3EnterEventMode,
                      CLOCK_REFERENCE};
-    Copy copy = {v, v + 2, 0.5, 1.0};
-    Part part = {.instance = it,
+    Copy copy = {v, v + 2, 0.5, 1.0, F64, F64};
+    Span span = {0, 1};
+    Outcome outcome = {0};
+    Part part = {.instance = it, .outcome = &outcome,
                  .do_step = major == 2 ? (Function *)fmi2DoStep : (Function *)fmi3DoStep,
                  .clock = &clock, .inputs = &in, .outputs = &out, .n_inputs = 1,
-                 .n_outputs = 1, .copies = &copy, .n_copies = 1, .raw = v + 1,
+                 .n_outputs = 1, .copies = &copy, .n_copies = 1, .n_doubles = 1,
+                 .raw = v + 1, .spans = &span, .n_spans = 1,
                  .published = v + 2, .n_read = 1, .n_delayed = 1, .line = line,
                  .latency = LATENCY, .major = major,
                  .ticker = clocked ? &ticker : NULL};

@@ -2,6 +2,6 @@
 
 from dataclasses import replace
 
-from plants import leadscrew
+from plants.leadscrew import axis as leadscrew
 
 model = replace(leadscrew.model, name="LeadscrewHalfStep", h_max=5e-6)

@@ -1,18 +1,22 @@
 """Which public models there are, and which of them exist for model exchange."""
 
-import pkgutil
 from importlib import import_module
+from pathlib import Path
 
 import controllers
 import plants
 from fmus.model import Continuous
 
-MODULES = sorted(
-    f"{package.__name__}.{found.name}"
-    for package in (plants, controllers)
-    for found in pkgutil.iter_modules(package.__path__)
-    if not found.name.startswith("_") and not found.ispkg
-)
+
+def _public(package):
+    top = Path(package.__file__).parent
+    for file in top.rglob("[!_]*.py"):
+        name = file.relative_to(top.parent).with_suffix("")
+        if "synthesis" not in name.parts:
+            yield ".".join(name.parts)
+
+
+MODULES = sorted([*_public(plants), *_public(controllers)])
 EXCHANGED = [
     m
     for m in MODULES

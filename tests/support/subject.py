@@ -165,7 +165,7 @@ def _perturbed(leaf: Any, random: np.random.Generator) -> np.ndarray:
 @cache
 def command(h: float) -> dict[str, np.ndarray]:
     """Samples of the trajectory generator's outputs every h seconds."""
-    model = import_module("controllers.trajectory").model
+    model = import_module("controllers.references.trajectory").model
     x, d = model.state, (model.prepare(model.parameters, h),)
     rows = []
     for _ in range(STEPS):

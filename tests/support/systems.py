@@ -34,5 +34,5 @@ def system(
         Fraction(stop),
         {c.name: c for c in components},
         connections or {},
-        {name: Fraction(period) for name, period in (record or {}).items()},
+        {name: (Fraction(period),) for name, period in (record or {}).items()},
     )

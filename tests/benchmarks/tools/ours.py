@@ -8,8 +8,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from workloads import system
 
+from orchestrator.master.simulate import simulate
 from orchestrator.profile import peak_memory
-from orchestrator.simulate import simulate
 
 
 def main() -> None:

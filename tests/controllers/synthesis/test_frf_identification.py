@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from controllers.synthesis import frf_identification as fi
-from controllers.synthesis.gantry_identification import mass_distribution
-from plants import gantry
+from controllers.synthesis.gantry.identification import mass_distribution
+from plants.gantry import frame as gantry
 
 p = gantry.Parameters()
 g = gantry.geometry(0.0, p)

@@ -1,22 +1,13 @@
 """Every model of the repository that has an input can be linearised."""
 
-import pkgutil
 from importlib import import_module
 
 import numpy as np
 import pytest
+from modules import MODULES
 
-import controllers
-import plants
 from controllers.synthesis.linearise import linearise, without_bystanders
 from fmus.model import size
-
-MODULES = [
-    f"{package.__name__}.{module.name}"
-    for package in (controllers, plants)
-    for module in pkgutil.iter_modules(package.__path__)
-    if not module.ispkg and not module.name.startswith("_")
-]
 
 
 @pytest.mark.parametrize("module", MODULES)

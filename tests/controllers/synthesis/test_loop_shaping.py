@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.synthesis.gantry_design import (
+from controllers.synthesis.gantry.design import (
     added_damping,
     averaging,
     drive_lag,
@@ -14,7 +14,7 @@ from controllers.synthesis.gantry_design import (
     x_calculator,
 )
 from controllers.synthesis.loop_shaping import integrator_time, lead_ratio, shape
-from plants import gantry
+from plants.gantry import frame as gantry
 
 
 @given(

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from controllers import filter_pack, model_inversion, rotary_command
+from controllers.ball_screw import filter_pack, model_inversion, rotary_command
+from controllers.ball_screw._drive import TwoMass
 from controllers.synthesis.linearise import linearise
 from controllers.synthesis.matched import Factored, coefficients, factored, matched
 
@@ -118,7 +119,7 @@ def test_the_run_time_command_generators_are_the_matched_ones(b_2, T_s):
     drive |= {"m_1": M_1, "b_1": B_1}
     run_time = linearise(
         model_inversion.model,
-        parameters=model_inversion.Parameters(**drive),
+        parameters=model_inversion.Parameters(TwoMass(**drive)),
         inputs=["x_r"],
         T_s=T_s,
     )

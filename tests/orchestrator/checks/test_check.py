@@ -79,7 +79,7 @@ def test_a_missing_system_library_is_named(tmp_path: Path) -> None:
 
 def test_json_and_junit_tell_the_same(tmp_path: Path) -> None:
     junit = tmp_path / "check.xml"
-    fmu = str(build("plants.ball_screw"))
+    fmu = str(build("plants.ball_screw.two_mass"))
     arguments = ["check", fmu, "--static", "--json", "--junit", str(junit)]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output

@@ -108,37 +108,37 @@ def make_constant(root: Any) -> None:
     ("module", "edit", "expected"),
     [
         (
-            "controllers.speed_pi",
+            "controllers.xy_table.speed_pi",
             forget("InitialUnknowns"),
             "in initialisation u changes with k_i, state.e_vi, v_est, v_ref, which",
         ),
         (
-            "plants.gantry",
+            "plants.gantry.frame",
             forget("InitialUnknowns"),
             "in initialisation y_t changes with state.y_1, state.y_2, which",
         ),
         (
-            "controllers.speed_pi",
+            "controllers.xy_table.speed_pi",
             forget("Outputs"),
             "in its tick u changes with v_est, v_ref, which ModelStructure",
         ),
         (
-            "controllers.double_lead",
+            "controllers.gantry.double_lead",
             make_constant,
             "in a tick d v / d x_f is between",
         ),
         (
-            "plants.leadscrew",
+            "plants.leadscrew.axis",
             forget("Outputs"),
             "i changes in a step of 5e-11 s as much as in one of 5e-05 s with u",
         ),
         (
-            "plants.ball_screw",
+            "plants.ball_screw.two_mass",
             forget("Derivatives"),
             "by model exchange der(state.v_1) changes with d_1, d_2, state.v_1",
         ),
         (
-            "plants.ball_screw",
+            "plants.ball_screw.two_mass",
             make_constant,
             "by model exchange d der(state.v_1) / d u is between",
         ),

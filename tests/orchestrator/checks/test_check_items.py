@@ -21,7 +21,7 @@ def edited(
     folder: Path, edit: Edit | None = None, *, fmi: Any = 2, **options: Any
 ) -> Path:
     """Write our linear motor again."""
-    fmu = build("plants.linear_motor", fmi=fmi)
+    fmu = build("plants.gantry.x_axis", fmi=fmi)
     return rewritten(fmu, folder, edit, **options)
 
 
@@ -188,7 +188,7 @@ def test_a_clock_of_two_intervals_is_found(tmp_path: Path) -> None:
         clock = root.find("ModelVariables/Clock")
         clock.set("intervalCounter", str(2 * int(clock.get("intervalCounter"))))
 
-    fmu = build("controllers.speed_pi", fmi=3)
+    fmu = build("controllers.xy_table.speed_pi", fmi=3)
     assert found(fmu, 36) == ""
     assert "but intervalDecimal =" in found(rewritten(fmu, tmp_path, edit), 36)
 
@@ -210,7 +210,7 @@ def test_a_wrong_token_stops_every_trial(tmp_path: Path) -> None:
 def test_foreign_platforms_cannot_be_run_and_are_named(tmp_path: Path) -> None:
     target = tmp_path / "foreign.fmu"
     with (
-        zipfile.ZipFile(build("plants.linear_motor")) as old,
+        zipfile.ZipFile(build("plants.gantry.x_axis")) as old,
         zipfile.ZipFile(target, "w") as new,
     ):
         for name in old.namelist():
@@ -229,7 +229,7 @@ def test_foreign_platforms_cannot_be_run_and_are_named(tmp_path: Path) -> None:
     reason="compares with readelf",
 )
 def test_libraries_are_those_that_readelf_reads(tmp_path: Path) -> None:
-    with zipfile.ZipFile(build("plants.linear_motor")) as archive:
+    with zipfile.ZipFile(build("plants.gantry.x_axis")) as archive:
         name = next(n for n in archive.namelist() if n.startswith("binaries/"))
         data = archive.read(name)
     file = tmp_path / "library.so"

@@ -23,10 +23,10 @@ from lxml import etree
 from typer.testing import CliRunner
 
 from fmus.build import build
-from orchestrator.archive import unpacked
 from orchestrator.checks import check_fmu
 from orchestrator.cli import app
 from orchestrator.errors import FmuError
+from orchestrator.fmu.archive import unpacked
 
 LONGEST = 20  # s; what takes longer hangs
 
@@ -88,7 +88,7 @@ def survives(fmu: Path) -> None:
 @mutants(100)
 @given(data=st.data(), fmi=st.sampled_from([2, 3]))
 def test_damaged_archives(place: Path, data: st.DataObject, fmi: Any) -> None:
-    whole = bytearray(build("plants.linear_motor", fmi=fmi).read_bytes())
+    whole = bytearray(build("plants.gantry.x_axis", fmi=fmi).read_bytes())
     kind = data.draw(st.sampled_from(["cut", "overwrite", "remove", "double"]))
     # the directory at the end decides most, so aim there as often as elsewhere
     end = data.draw(st.booleans())
@@ -132,7 +132,7 @@ NAMES = st.sampled_from(
 @mutants(50)
 @given(names=st.lists(NAMES, min_size=1, max_size=4), link=st.booleans())
 def test_hostile_members(place: Path, names: list[str], link: bool) -> None:
-    content = build("plants.linear_motor").read_bytes()
+    content = build("plants.gantry.x_axis").read_bytes()
     memory = io.BytesIO(content)
     with (
         zipfile.ZipFile(memory, "a") as archive,
@@ -174,7 +174,7 @@ step = "1/2000"
 def test_mutated_descriptions(
     place: Path, data: st.DataObject, fmi: Any, module: int
 ) -> None:
-    model = ("plants.linear_motor", "controllers.speed_pi")[module]
+    model = ("plants.gantry.x_axis", "controllers.xy_table.speed_pi")[module]
     original = build(model, fmi=fmi)
     with zipfile.ZipFile(original) as archive:
         root = etree.fromstring(archive.read("modelDescription.xml"))
@@ -202,7 +202,9 @@ def test_mutated_descriptions(
     scenario.write_text(ALONE)
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
         assert check_fmu(fmu, dynamic=False).to_junit()
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )
 
 
 def ends_in_a_sentence(*arguments: str) -> None:
@@ -219,15 +221,15 @@ SCENARIO: dict[str, Any] = {
     "stop": "1/100",
     "rates": {"control": "2 kHz"},
     "components": {
-        "reference": {"fmu": "controllers.sine_reference", "step": "control"},
+        "reference": {"fmu": "controllers.references.sine", "step": "control"},
         "controller": {
-            "fmu": "controllers.speed_pi",
+            "fmu": "controllers.xy_table.speed_pi",
             "step": "control",
             "latency": 1,
             "parameters": {"k_p": 0.005},
         },
         "plant": {
-            "fmu": "plants.linear_motor",
+            "fmu": "plants.gantry.x_axis",
             "step": "1/2000",
             "start": {"state.x": 0.0},
         },
@@ -282,7 +284,9 @@ def test_mutated_scenarios(place: Path, data: st.DataObject) -> None:
     scenario = place / "mutant.toml"
     scenario.write_text(tomli_w.dumps(raw), encoding="utf-8")
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )
 
 
 @mutants(60)
@@ -294,4 +298,6 @@ def test_garbled_scenarios(place: Path, data: st.DataObject) -> None:
     scenario = place / "mutant.toml"
     scenario.write_bytes(text)
     with no_hang_and_nothing_left(place, "mutant.fmu", "mutant.toml", "run"):
-        ends_in_a_sentence("run", str(scenario), "-o", str(place / "run"), "--json")
+        ends_in_a_sentence(
+            "run", str(scenario), "-o", str(place / "run"), "--json", "--overwrite"
+        )

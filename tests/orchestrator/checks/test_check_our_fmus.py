@@ -13,7 +13,7 @@ from modules import EXCHANGED, MODULES
 from fmus.build import build
 from orchestrator.checks import Report, check_fmu
 
-REPRESENTATIVES = ("plants.ball_screw", "controllers.mc_ppc")
+REPRESENTATIVES = ("plants.ball_screw.two_mass", "controllers.ball_screw.mc_ppc")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -23,7 +23,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("module", MODULES if everything else REPRESENTATIVES)
     if "exchanged" in metafunc.fixturenames:
         metafunc.parametrize(
-            "exchanged", EXCHANGED if everything else ["plants.ball_screw"]
+            "exchanged", EXCHANGED if everything else ["plants.ball_screw.two_mass"]
         )
 
 

@@ -83,7 +83,7 @@ def packed(folder: Path, fmu: Path, files: dict[str, str]) -> Path:
 
 def pushed(folder: Path, fmi: int, out: dict[str, np.ndarray] | None = None) -> Path:
     """Pack an experiment with parameters, stimuli and results."""
-    fmu = build("plants.linear_motor", fmi=fmi)  # type: ignore[arg-type]
+    fmu = build("plants.gantry.x_axis", fmi=fmi)  # type: ignore[arg-type]
     u = stimuli()
     files = {
         "fmi-ls-manifest.xml": manifest(related("tests.exp", "experiment/smoke-test")),
@@ -112,14 +112,14 @@ def test_results_that_the_fmu_computes_pass(tmp_path: Path, fmi: int) -> None:
 
 
 def test_results_of_another_mass_are_found(tmp_path: Path) -> None:
-    other = results(build("plants.linear_motor"), 0.69)
+    other = results(build("plants.gantry.x_axis"), 0.69)
     (x, v) = found(pushed(tmp_path, 2, other), "dynamic")
     assert x.text.startswith("push: x differs from the reference in")
     assert v.severity == "error"
 
 
 def test_results_of_a_step_later_are_found(tmp_path: Path) -> None:
-    later = results(build("plants.linear_motor"), MASS)
+    later = results(build("plants.gantry.x_axis"), MASS)
     later["x"] = np.roll(later["x"], 1)
     later["x"][0] = 0
     (x,) = found(pushed(tmp_path, 2, later), "dynamic")
@@ -127,7 +127,7 @@ def test_results_of_a_step_later_are_found(tmp_path: Path) -> None:
 
 
 def test_one_sample_of_a_jump_may_fall_to_its_neighbour(tmp_path: Path) -> None:
-    jumped = results(build("plants.linear_motor"), MASS)
+    jumped = results(build("plants.gantry.x_axis"), MASS)
     jumped["v"][20] = jumped["v"][21]
     assert found(pushed(tmp_path, 2, jumped), "dynamic") == []
 
@@ -135,7 +135,7 @@ def test_one_sample_of_a_jump_may_fall_to_its_neighbour(tmp_path: Path) -> None:
 def test_the_first_draft_with_experiments_in_the_manifest_is_read(
     tmp_path: Path,
 ) -> None:
-    fmu = build("plants.linear_motor")
+    fmu = build("plants.gantry.x_axis")
     u = stimuli()
     files = {
         "fmi-ls-manifest.xml": manifest(EXPERIMENT),
@@ -148,7 +148,7 @@ def test_the_first_draft_with_experiments_in_the_manifest_is_read(
 
 def test_results_of_the_default_experiment_are_advice(tmp_path: Path) -> None:
     """As the Reference FMUs have them; nothing says which experiment it was."""
-    fmu = build("plants.linear_motor")
+    fmu = build("plants.gantry.x_axis")
     out = results(fmu, 0.69, pushed=False)
     files = {
         "fmi-ls-manifest.xml": manifest(related("out.csv", "result", "text/csv")),
@@ -162,7 +162,7 @@ def test_results_of_the_default_experiment_are_advice(tmp_path: Path) -> None:
 
 
 def test_a_table_of_no_numbers_is_a_finding(tmp_path: Path) -> None:
-    fmu = build("plants.linear_motor")
+    fmu = build("plants.gantry.x_axis")
     files = {
         "fmi-ls-manifest.xml": manifest(related("out.csv", "result", "text/csv")),
         "out.csv": '"t","x"\n0,1\n1,2\n',
@@ -182,7 +182,7 @@ def test_files_that_are_not_as_told_are_found(tmp_path: Path) -> None:
         + EXPERIMENT
     )
     files = {"fmi-ls-manifest.xml": manifest(content), "model.mo": "x", "in.csv": ""}
-    fmu = packed(tmp_path, build("plants.linear_motor"), files)
+    fmu = packed(tmp_path, build("plants.gantry.x_axis"), files)
     assert [(f.severity, f.text) for f in found(fmu, "static")] == [
         ("error", "mo%64el.mo: it does not have the SHA-256 that is given"),
         ("error", "../../modelDescription.xml: 'poem' is no role of a related file"),
@@ -197,7 +197,7 @@ def test_files_that_are_not_as_told_are_found(tmp_path: Path) -> None:
 
 
 def test_a_manifest_in_another_folder_is_found(tmp_path: Path) -> None:
-    fmu = packed(tmp_path, build("plants.linear_motor"), {})
+    fmu = packed(tmp_path, build("plants.gantry.x_axis"), {})
     with zipfile.ZipFile(fmu, "a") as archive:
         archive.writestr("extra/org.example/fmi-ls-manifest.xml", manifest(""))
     (only,) = found(fmu, "static")

@@ -17,10 +17,10 @@ TRACK = "ball_screw_pole_placement/mc_ppc_track_500"
 DRIVE = """
 stop = "0.01"
 [components.plant]
-fmu = "plants.ball_screw"
+fmu = "plants.ball_screw.two_mass"
 step = "1/20000"
 [components.source]
-fmu = "plants.rope_snap"
+fmu = "plants.disturbances.rope_snap"
 step = "1/20000"
 [connections]
 "plant.d_2" = "source.d_2"
@@ -73,7 +73,7 @@ def test_run_prints_figures_with_units_and_where_they_are(feeddrive, drive):
     assert result.exit_code == 0, result.output
     assert "x.peak" in result.stdout
     assert "deg" in result.stdout
-    assert Path("runs/drive/scenario.lock.toml").is_file()
+    assert Path("runs/drive/1/scenario.lock.toml").is_file()
 
 
 def test_an_expectation_that_is_not_met_fails_the_run_as_written(feeddrive, drive):
@@ -87,8 +87,8 @@ def test_an_expectation_that_is_not_met_fails_the_run_as_written(feeddrive, driv
 THEIRS = '''"""Somebody else's drive: other names, other units, counted backwards."""
 from typing import Annotated, NamedTuple
 from fmus.model import Continuous, Var
-from plants.ball_screw import Parameters, State, derivative
-from plants import ball_screw
+from plants.ball_screw.two_mass import Parameters, State, derivative
+from plants.ball_screw import two_mass as ball_screw
 class Input(NamedTuple):
     pull: Annotated[float, Var("mV", "pull on the table, towards them")] = 0.0
 class Output(NamedTuple):
@@ -135,14 +135,21 @@ def test_schedule_lists_steps_and_ages(feeddrive, drive):
 def test_models_lists_every_module_with_a_description(feeddrive):
     listed = json.loads(feeddrive("models", "--json").stdout)["models"]
     modules = {m["module"]: m for m in listed}
-    assert modules["plants.ball_screw"]["kind"] == "continuous"
-    assert modules["controllers.mc_ppc"]["period"] == "1/20000"
+    assert modules["plants.ball_screw.two_mass"]["kind"] == "continuous"
+    assert modules["controllers.ball_screw.mc_ppc"]["period"] == "1/20000"
     assert all(m["description"] for m in listed)
-    assert "plants.ball_screw" in feeddrive("models").stdout
+    assert "plants.ball_screw.two_mass" in feeddrive("models").stdout
 
 
 def test_build_writes_fmus_and_says_their_size(feeddrive, tmp_path):
-    arguments = ("build", "plants.rope_snap", "-o", "out", "--period", "10 kHz")
+    arguments = (
+        "build",
+        "plants.disturbances.rope_snap",
+        "-o",
+        "out",
+        "--period",
+        "10 kHz",
+    )
     (built,) = json.loads(feeddrive(*arguments, "--json").stdout)["fmus"]
     assert Path(built["file"]).stat().st_size == built["bytes"]
     info = json.loads(feeddrive("info", built["file"], "--json").stdout)
@@ -152,7 +159,7 @@ def test_build_writes_fmus_and_says_their_size(feeddrive, tmp_path):
 
 
 def test_info_shows_variables_with_units(feeddrive):
-    result = feeddrive("info", "plants.ball_screw")
+    result = feeddrive("info", "plants.ball_screw.two_mass")
     assert result.exit_code == 0, result.output
     assert "V.s2/rad" in result.stdout
 
@@ -162,13 +169,17 @@ def test_info_shows_variables_with_units(feeddrive):
     [
         ("step =", "stp =", ("components.plant", "'step'")),
         ("stop =", "stop = [", ("TOML",)),
-        ("plants.ball_screw", "plants.bal_screw", ("components.plant", "bal_screw")),
+        (
+            "plants.ball_screw.two_mass",
+            "plants.bal_screw",
+            ("components.plant", "bal_screw"),
+        ),
         ('"plant.d_2" =', '"plant.d_7" =', ("connections", "'d_2'")),
         ('"source.d_2"', '"source.d_7"', ("connections", "'d_2'")),
         ('"plant.d_2" = "source.d_2"', '"plant.u" = "plant.x_1"', ("rad", "V")),
         ('unit = "deg"', 'unit = "V"', ("metrics.x",)),
         ('unit = "deg"', 'unit = "furlongs per"', ("metrics.x", "furlongs")),
-        ("plants.ball_screw", "missing.fmu", ("missing.fmu",)),
+        ("plants.ball_screw.two_mass", "missing.fmu", ("missing.fmu",)),
     ],
 )
 def test_a_wrong_scenario_ends_in_one_paragraph(feeddrive, drive, old, new, parts):
@@ -194,10 +205,13 @@ def test_a_wrong_scenario_ends_in_one_paragraph(feeddrive, drive, old, new, part
         (("build",), ("--all",)),
         (("build", "plants.nothing"), ("plants.nothing",)),
         (("build", "nope.py"), ("nope.py: no such file",)),
-        (("build", "plants.rope_snap", "--period", "0"), ("--period",)),
-        (("build", "plants.ball_screw", "--period", "1/1000"), ("ball_screw",)),
-        (("build", "plants.rope_snap", "--kind", "wasm"), ("wasm",)),
-        (("build", "plants.rope_snap", "--platform", "amiga"), ("amiga",)),
+        (("build", "plants.disturbances.rope_snap", "--period", "0"), ("--period",)),
+        (
+            ("build", "plants.ball_screw.two_mass", "--period", "1/1000"),
+            ("ball_screw",),
+        ),
+        (("build", "plants.disturbances.rope_snap", "--kind", "wasm"), ("wasm",)),
+        (("build", "plants.disturbances.rope_snap", "--platform", "amiga"), ("amiga",)),
         (("info", "missing.fmu"), ("missing.fmu",)),
         (("reproduce", "ball_screw"), ("ball_screw_pole_placement",)),
         (("run",), ("SCENARIO",)),
@@ -210,7 +224,8 @@ def test_wrong_usage_ends_in_one_paragraph(feeddrive, drive, arguments, parts):
 def test_a_feed_through_loop_is_refused_with_its_remedy(feeddrive, tmp_path):
     file = tmp_path / "loop.toml"
     components = "".join(
-        f'[components.{name}]\nfmu = "controllers.filter_pack"\nstep = "1/20000"\n'
+        f'[components.{name}]\nfmu = "controllers.ball_screw.filter_pack"\n'
+        'step = "1/20000"\n'
         for name in ("a", "b")
     )
     file.write_text(
@@ -221,9 +236,9 @@ def test_a_feed_through_loop_is_refused_with_its_remedy(feeddrive, tmp_path):
 
 
 def test_damaged_and_unsafe_archives_are_refused(feeddrive, drive, tmp_path):
-    fmu = build("plants.ball_screw")
+    fmu = build("plants.ball_screw.two_mass")
     foreign = tmp_path / "foreign.fmu"
-    drive.write_text(DRIVE.replace("plants.ball_screw", foreign.name))
+    drive.write_text(DRIVE.replace("plants.ball_screw.two_mass", foreign.name))
     foreign.write_bytes(fmu.read_bytes()[:5000])
     refused(feeddrive("run", drive), foreign)
     with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(foreign, "w") as bare:
@@ -243,13 +258,13 @@ def test_a_stop_a_fixed_step_fmu_cannot_meet_names_the_nearest(
     variable = b'canHandleVariableCommunicationStepSize="true"'
     fixed_step = variable.replace(b"true", b"false")
     with (
-        zipfile.ZipFile(build("plants.ball_screw")) as whole,
+        zipfile.ZipFile(build("plants.ball_screw.two_mass")) as whole,
         zipfile.ZipFile(fixed, "w") as changed,
     ):
         for name in whole.namelist():
             content = whole.read(name).replace(variable, fixed_step)
             changed.writestr(name, content)
-    drive.write_text(DRIVE.replace("plants.ball_screw", fixed.name))
+    drive.write_text(DRIVE.replace("plants.ball_screw.two_mass", fixed.name))
     refused(feeddrive("run", drive, "--set", "stop=0.01001"), "1/100", "201/20000")
 
 
@@ -264,20 +279,20 @@ def test_an_interrupted_run_ends_with_130(feeddrive, drive, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("orchestrator.simulate.simulate", interrupted)
+    monkeypatch.setattr("orchestrator.master.simulate.simulate", interrupted)
     refused(feeddrive("run", drive), "interrupted", code=130)
 
 
 def test_an_interrupted_run_says_where_its_rows_are_if_it_has_any(
     feeddrive, drive, monkeypatch
 ):
-    from orchestrator.simulate import simulate
+    from orchestrator.master.simulate import simulate
 
     def interrupted(*arguments, **options):
         simulate(*arguments, **options)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("orchestrator.simulate.simulate", interrupted)
+    monkeypatch.setattr("orchestrator.master.simulate.simulate", interrupted)
     refused(feeddrive("run", drive, "-o", "out"), "t = 0.01 s", "out/result", code=130)
     monkeypatch.setattr(
         "orchestrator.scenario.compose.compose", Mock(side_effect=KeyboardInterrupt)
@@ -338,8 +353,12 @@ def test_a_file_that_is_no_fmu_is_called_what_it_is(feeddrive, content, said):
 
 
 def test_check_counts_in_words_and_cites_the_version_of_the_fmu(feeddrive):
-    refused(feeddrive("check", "plants.rope_snap", "--only", "99"), "1 to ")
-    result = feeddrive("check", "plants.rope_snap", "--only", "10", "--json")
+    refused(
+        feeddrive("check", "plants.disturbances.rope_snap", "--only", "99"), "1 to "
+    )
+    result = feeddrive(
+        "check", "plants.disturbances.rope_snap", "--only", "10", "--json"
+    )
     (item,) = json.loads(result.stdout)["items"]
     assert "FMI 2.0.5" in item["clause"]
     assert "FMI 3" not in item["clause"]
@@ -358,7 +377,7 @@ def test_a_fault_of_ours_is_one_paragraph_too(feeddrive, drive, monkeypatch):
     def faulty(*_, **__):
         raise TypeError("an integer is required")
 
-    monkeypatch.setattr("orchestrator.simulate.simulate", faulty)
+    monkeypatch.setattr("orchestrator.master.simulate.simulate", faulty)
     result = feeddrive("run", drive)
     refused(result, "fault in feeddrive", "an integer", "FEEDDRIVE_TRACEBACK", code=1)
 

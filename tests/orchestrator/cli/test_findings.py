@@ -51,7 +51,8 @@ def test_a_swap_that_does_not_settle_stands_beside_the_original(drive: Path) -> 
     assert "Original against swapped" in result.stdout
     assert "swapped: speed.settling: not settled" in result.stdout
     assert "original: speed.settling" not in result.stdout
-    printed = json.loads(feeddrive("run", drive, *swap, "--json").stdout)
+    printed = json.loads(feeddrive("run", drive, *swap, "--overwrite", "--json").stdout)
+    assert json.loads(Path("out/metrics.json").read_text()) == printed
     assert printed["metrics"]["speed.settling"]["value"] is None
     assert printed["original"]["speed.settling"]["value"] > 0
 

@@ -44,15 +44,26 @@ def test_an_error_is_reference_minus_actual_in_the_unit_asked_for():
     )
 
 
-def test_signals_of_different_rows_are_never_compared():
-    signals = {"plant.x": signal(0.0), "t.x": signal(0.0, time=TIME[::2])}
-    with pytest.raises(ScenarioError, match="one rate"):
-        figures({"kind": "error", "of": "plant.x", "against": "t.x"}, signals)
+def test_signals_of_different_rows_are_compared_where_both_have_one():
+    signals = {"plant.x": signal(TIME), "t.x": signal(0.5, time=TIME[::2])}
+    metric = {"kind": "error", "of": "plant.x", "against": "t.x"}
+    expected = np.sqrt(np.mean((0.5 - TIME[::2]) ** 2))
+    assert figures(metric, signals)["m.rms"].value == pytest.approx(expected)
+    signals["t.x"] = signal(0.5, time=TIME + 1e-4)
+    with pytest.raises(ScenarioError, match="no instant in common"):
+        figures(metric, signals)
 
 
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [("peak", 3.0), ("max", 1.0), ("min", -3.0), ("final", 1.0), ("mean", -1.0)],
+    [
+        ("peak", 3.0),
+        ("max", 1.0),
+        ("min", -3.0),
+        ("final", 1.0),
+        ("mean", -1.0),
+        ("mean_abs", 2.0),
+    ],
 )
 def test_plain_figures(kind, value):
     signals = {"plant.x": signal(1.0 - 4.0 * (TIME < 1.0005))}

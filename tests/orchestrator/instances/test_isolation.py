@@ -16,12 +16,12 @@ import pytest
 from broken import MISBEHAVES, MODES, pack
 from systems import part, system
 
-from orchestrator.archive import unpacked
 from orchestrator.errors import SimulationError
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
 from orchestrator.instances import isolated
+from orchestrator.master.simulate import Choice, simulate
 from orchestrator.result import Result
-from orchestrator.simulate import Choice, simulate
 from orchestrator.system import Component, Isolation, System
 
 pytestmark = pytest.mark.skipif(
@@ -167,7 +167,8 @@ def test_requests_through_pipe_and_memory_never_overtake_each_other() -> None:
         one = isolated.IsolatedInstance("one", description, folder, print, quick)
         try:
             one.instantiate()
-            one.enter_initialization(0.0)
+            one.set_up(0.0, None, None)
+            one.enter_initialization()
             vector = np.zeros(1)
             one.bind(vector, [], 0, [count], 0)
             one.exit_initialization()
@@ -210,7 +211,7 @@ def test_a_script_without_a_main_guard_may_isolate(
         f"""
 from fractions import Fraction
 from pathlib import Path
-from orchestrator.simulate import simulate
+from orchestrator.master.simulate import simulate
 from orchestrator.system import Component, Isolation, System
 
 print("begun")

@@ -10,8 +10,8 @@ from broken import ball, pack, without_co_simulation
 from numpy.typing import NDArray
 from systems import part, system
 
-from orchestrator.simulate import Choice, simulate
-from orchestrator.stepper import Stepper
+from orchestrator.master.simulate import Choice, simulate
+from orchestrator.master.stepper import Stepper
 from orchestrator.system import Component, Isolation, Mapped
 
 G, E = 9.81, 0.7
@@ -73,7 +73,7 @@ def test_a_time_event_at_a_communication_point_is_in_its_row(tmp_path: Path) -> 
 def test_model_exchange_gives_the_trajectory_of_co_simulation(
     tmp_path: Path, fmi: int
 ) -> None:
-    plant = part("plant", "plants.ball_screw", "1/2000", fmi=fmi)
+    plant = part("plant", "plants.ball_screw.two_mass", "1/2000", fmi=fmi)
     exchanged = replace(
         plant, name="theirs", fmu=without_co_simulation(plant.fmu, tmp_path)
     )

@@ -11,7 +11,7 @@ from broken import SOURCES
 from foreign import compile_source, packed
 from systems import part, system
 
-from orchestrator.simulate import simulate
+from orchestrator.master.simulate import simulate
 from orchestrator.system import Component
 
 NAMES = ("x", "der_x", "u", "on", "changed", "changes")

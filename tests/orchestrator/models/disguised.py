@@ -6,7 +6,7 @@ Source: none; a test of the swap (2026).
 from typing import Annotated, NamedTuple
 
 from fmus.model import Continuous, Var
-from plants import ball_screw
+from plants.ball_screw import two_mass as ball_screw
 
 PER_RAD = 20 / (2 * 3.141592653589793)  # mm of table motion per rad of the screw
 

@@ -7,7 +7,7 @@ import pytest
 
 from orchestrator.scenario.design_cache import Values, remembered
 
-OURS = "controllers.synthesis.pole_placement:design"
+OURS = "controllers.synthesis.ball_screw.pole_placement:design"
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from fmus.build import build
 from orchestrator.cli import app
-from orchestrator.fmu import read_fmu
+from orchestrator.fmu.description import read_fmu
 from orchestrator.scenario.propose import missing_names, propose, to_toml
 
 SCENARIO = "ball_screw_pole_placement/mc_ppc_track_500"
@@ -24,13 +24,13 @@ def supplied() -> Path:
 
 
 def test_the_proposal_pairs_what_belongs_together(supplied: Path) -> None:
-    ours, theirs = read_fmu(build("plants.ball_screw")), read_fmu(supplied)
+    ours, theirs = read_fmu(build("plants.ball_screw.two_mass")), read_fmu(supplied)
     found = propose(list(RIGHT), ours, theirs)
     assert {p.ours.name: p.theirs and p.theirs.name for p in found} == RIGHT
 
 
 def test_the_proposal_is_a_map_with_its_doubts(supplied: Path) -> None:
-    ours, theirs = read_fmu(build("plants.ball_screw")), read_fmu(supplied)
+    ours, theirs = read_fmu(build("plants.ball_screw.two_mass")), read_fmu(supplied)
     text = to_toml(propose(["u", "x_1"], ours, theirs))
     assert tomllib.loads(text) == {
         "u": "motor_voltage",
@@ -40,21 +40,21 @@ def test_the_proposal_is_a_map_with_its_doubts(supplied: Path) -> None:
 
 
 def test_equal_units_and_descriptions_leave_no_doubt() -> None:
-    ours = read_fmu(build("plants.linear_motor"))
+    ours = read_fmu(build("plants.gantry.x_axis"))
     found = propose(["u", "d", "x", "v"], ours, ours)
     assert all(p.theirs == p.ours and not p.doubts for p in found)
 
 
 def test_what_nothing_fits_is_said() -> None:
-    ours = read_fmu(build("plants.linear_motor"))
-    theirs = read_fmu(build("controllers.sine_reference"))
+    ours = read_fmu(build("plants.gantry.x_axis"))
+    theirs = read_fmu(build("controllers.references.sine"))
     (found,) = propose(["u"], ours, theirs)
     assert found.theirs is None
     assert found.to_toml() == "# u: nothing fits (u [V] control signal)"
 
 
 def test_records_and_arrays_are_no_missing_names() -> None:
-    fmu = read_fmu(build("controllers.mc_ppc"))
+    fmu = read_fmu(build("controllers.ball_screw.mc_ppc"))
     parts = [name.partition(".")[0] for name in fmu.variables]
     assert missing_names(parts, fmu) == []
     assert missing_names(["nothing"], fmu) == ["nothing"]
@@ -91,7 +91,8 @@ def test_original_and_swapped_are_printed_and_drawn_together(
     assert "original: plant.x_2" in page
     assert "swapped: plant.x_2" in page
     assert f"plant = {supplied.name}</h1>" in page
-    result = CliRunner().invoke(app, [*arguments, "-o", str(folder), "--json"])
+    again = str(tmp_path / "again")
+    result = CliRunner().invoke(app, [*arguments, "-o", again, "--json"])
     told = json.loads(result.stdout)
     assert told["original"].keys() == told["metrics"].keys()
 
@@ -99,7 +100,7 @@ def test_original_and_swapped_are_printed_and_drawn_together(
 def test_what_is_set_on_the_swapped_component_is_not_set_on_the_original(
     tmp_path: Path,
 ) -> None:
-    swap = ("--swap", "plant=plants.ball_screw_drive", "--json")
+    swap = ("--swap", "plant=plants.ball_screw.drive", "--json")
     own = ("--set", "plant.current_loop.on=true")  # the original has no such part
     result = CliRunner().invoke(
         app, ["run", SCENARIO, *swap, *own, "-o", str(tmp_path / "run")]

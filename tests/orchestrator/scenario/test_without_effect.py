@@ -36,7 +36,7 @@ def test_the_studies_set_nothing_in_vain(caplog, study):
 
 
 def test_a_design_for_a_component_that_was_swapped_can_be_left_out():
-    swap = {"controller": {"fmu": "controllers.p_pi"}}
+    swap = {"controller": {"fmu": "controllers.ball_screw.p_pi"}}
     with pytest.raises(DesignError, match=r"no such parameter.*design.gains=false"):
         compose(load_scenario(TRACK, swaps=swap), run_earlier)
     left_out = load_scenario(TRACK, ["design.gains=false"], swap)

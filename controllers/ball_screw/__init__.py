@@ -1,0 +1,1 @@
+"""Controllers of the ball-screw drive: MC-PPC, P-PI, and their parts."""

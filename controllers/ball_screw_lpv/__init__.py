@@ -1,0 +1,1 @@
+"""Controllers of the ball screw whose dynamics vary with nut and workpiece."""

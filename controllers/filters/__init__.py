@@ -1,0 +1,1 @@
+"""Filters that serve several drives."""

@@ -1,0 +1,1 @@
+"""Controllers of the gantry: averaged MIMO, independent PID, x axis, their parts."""

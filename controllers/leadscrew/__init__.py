@@ -1,0 +1,1 @@
+"""Controllers of the leadscrew mechanism: NCTF, PI-D, and their parts."""

@@ -1,0 +1,1 @@
+"""Trajectories, paths and test signals that serve several drives."""

@@ -1,0 +1,1 @@
+"""Offline design of the gantry."""

@@ -1,0 +1,352 @@
+"""What an FMU says of itself, for FMI 2.0 and 3.0 alike.
+
+Read with fmpy; from our own FMUs also the exact sample period and whether the
+model is continuous or sampled (a vendor annotation).  Units come from the
+FMU's own definitions.
+"""
+
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from math import isfinite
+from pathlib import Path
+from typing import Any, Literal, cast
+
+from fmus.unit_names import BASE
+from fmus.units import BaseUnit
+from orchestrator.errors import FmuError, did_you_mean
+from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.system import Kind
+from orchestrator.unit import Unit, unit_of_fmu
+
+Sort = Literal["real", "integer", "boolean", "string"]
+Dtype = Literal["float64", "int64", "uint64"]
+
+_TYPES = {
+    2: {"Real", "Integer", "Boolean", "String", "Enumeration"},
+    3: {"Float32", "Float64", "Boolean", "String", "Binary", "Enumeration", "Clock"}
+    | {f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)},
+}
+_SORTS: dict[str, Sort] = {
+    "Real": "real",
+    "Float64": "real",
+    "Float32": "real",
+    "Boolean": "boolean",
+    "String": "string",
+}
+_WORDS: dict[str, Dtype] = {
+    "Int64": "int64",
+    "UInt64": "uint64",
+    "Enumeration": "int64",
+}
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    """One variable; ``references`` has one entry per FMI 2 scalar or FMI 3 array.
+
+    ``size`` counts its numbers; ``unit`` is the FMU's own, ``base_unit`` its
+    definition as written (None where the FMU gives none).
+    """
+
+    name: str
+    fmi_type: str
+    reference: int
+    shape: tuple[int, ...]
+    causality: str
+    variability: str
+    initial: str | None
+    unit: Unit | None
+    base_unit: BaseUnit | None
+    start: str | None
+    min: str | None
+    max: str | None
+    description: str
+    dtype: Dtype = "float64"  # by which its numbers lie in the master's vector
+
+    @property
+    def sort(self) -> Sort:
+        return _SORTS.get(self.fmi_type, "integer")
+
+    @property
+    def size(self) -> int:
+        count = 1
+        for n in self.shape:
+            count *= n
+        return count
+
+
+@dataclass(frozen=True)
+class FmuDescription:
+    """An FMU's model description, as far as a co-simulation needs it.
+
+    ``dependencies`` maps every output to the inputs it depends on directly
+    while stepping, ``initial_dependencies`` in initialisation; None means all.
+    ``internal_step`` (s) is what communication steps should be a multiple of.
+    ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
+    reference of the input clock with that period, if it has one.  ``units`` are the
+    definitions of all units it names.
+    """
+
+    path: Path
+    fmi_major: int
+    model_name: str
+    model_identifier: str
+    token: str
+    tool: str
+    description: str
+    variables: Mapping[str, FmuVariable]
+    units: Mapping[str, BaseUnit]
+    dependencies: Mapping[str, frozenset[str] | None]
+    initial_dependencies: Mapping[str, frozenset[str] | None]
+    variable_step: bool
+    internal_step: Fraction | None
+    needs_execution_tool: bool
+    once_per_process: bool
+    co_simulation: bool
+    model_exchange: bool
+    platforms: tuple[str, ...]
+    clock: int | None
+    kind: Kind | None
+    period: Fraction | None
+    default_step: float | None
+    log_categories: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> FmuVariable:
+        try:
+            return self.variables[name]
+        except KeyError:
+            raise FmuError(
+                f"{self.path}: has no variable {name!r}; "
+                f"{did_you_mean(name, self.variables)}"
+            ) from None
+
+    @property
+    def is_ours(self) -> bool:
+        return self.kind is not None  # only our exporter says
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple(n for n, v in self.variables.items() if v.causality == "input")
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        return tuple(n for n, v in self.variables.items() if v.causality == "output")
+
+    def feeds_through(self, name: str) -> bool:
+        """Tell whether some output depends directly on this input while stepping."""
+        declared = [self.dependencies.get(output) for output in self.outputs]
+        return any(d is None or name in d for d in declared)
+
+    def feeds_through_initially(self, name: str) -> bool:
+        """Tell the same of initialisation; unlisted outputs depend on everything."""
+        declared = [self.initial_dependencies.get(output) for output in self.outputs]
+        return any(d is None or name in d for d in declared)
+
+
+def read_fmu(path: str | Path) -> FmuDescription:
+    """Read the model description of an FMU file.
+
+    Raises:
+        FmuError: the file is missing, damaged, unsafe, or not FMI 2.0 or 3.0.
+    """
+    file = Path(path)
+    try:
+        stamp = file.stat()
+    except OSError:
+        raise FmuError(f"{file}: no such file; give the path of an .fmu file") from None
+    return _read(file, stamp.st_mtime_ns, stamp.st_size)
+
+
+@lru_cache(maxsize=256)
+def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
+    import fmpy
+    from lxml import etree
+
+    text = read_member(path, "modelDescription.xml")
+    try:
+        root = etree.fromstring(text)
+        refuse_other_fmi(path, root)
+        md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
+    except FmuError:
+        raise
+    except Exception as error:  # fmpy raises bare Exception for malformed documents
+        raise FmuError(
+            f"{path}: modelDescription.xml cannot be understood ({error}); "
+            f"run `fmpy validate` on it and ask its supplier"
+        ) from None
+    major = int(str(md.fmiVersion)[0])
+    for v in md.modelVariables:
+        if v.type not in _TYPES[major]:
+            raise FmuError(
+                f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
+                f"FMI {major}; ask its supplier for a valid modelDescription.xml"
+            )
+    kind, period = _annotation(root)
+    cs = md.coSimulation
+    interface = cs or md.modelExchange
+    names = {v.name for v in md.modelVariables}
+    units = dict(_units(md.unitDefinitions))
+    relative = _relative(root)
+    for v in md.modelVariables:
+        v.relativeQuantity = relative.get(v.name)
+    return FmuDescription(
+        path=path,
+        fmi_major=major,
+        model_name=md.modelName or path.stem,
+        model_identifier=interface.modelIdentifier if interface else "",
+        token=md.guid,
+        tool=md.generationTool or "unknown",
+        description=md.description or "",
+        variables={
+            v.name: _variable(v, units, major)
+            for v in md.modelVariables
+            if v.type != "Clock"
+        },
+        units=units,
+        dependencies=_dependencies(md.outputs, names),
+        initial_dependencies=_dependencies(md.initialUnknowns, names),
+        variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
+        internal_step=_internal_step(root),
+        needs_execution_tool=bool(interface and interface.needsExecutionTool),
+        once_per_process=bool(
+            interface and interface.canBeInstantiatedOnlyOncePerProcess
+        ),
+        co_simulation=cs is not None,
+        model_exchange=md.modelExchange is not None,
+        platforms=_platforms(path),
+        clock=_clock(md.modelVariables) if kind == "sampled" else None,
+        kind=kind,
+        period=period,
+        default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
+    )
+
+
+def _internal_step(root: Any) -> Fraction | None:
+    for element in root.iter("CoSimulation"):
+        written = element.get("fixedInternalStepSize")
+        if written and float(written) > 0:
+            return Fraction(written)
+    return None
+
+
+def refuse_other_fmi(path: Path, root: Any) -> None:
+    """Refuse a model description by its root element if it is not FMI 2.0 or 3.0.
+
+    Raises:
+        FmuError: it is another version.
+    """
+    version = str(root.get("fmiVersion"))
+    if not version.startswith(("2.", "3.")):
+        raise FmuError(
+            f"{path}: is FMI {version}, which is not supported; ask for an export as "
+            f"FMI 2.0 or 3.0"
+        )
+
+
+def _clock(variables: list[Any]) -> int | None:
+    clocks = [v for v in variables if v.type == "Clock" and v.causality == "input"]
+    return int(clocks[0].valueReference) if len(clocks) == 1 else None
+
+
+def _only_xml(text: bytes) -> bytes:
+    """Return an archive holding the description alone, as fmpy wants one."""
+    import zipfile
+
+    memory = io.BytesIO()
+    with zipfile.ZipFile(memory, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    return memory.getvalue()
+
+
+def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
+    """Yield every unit that is defined; a factor of zero defines nothing."""
+    for unit in definitions:
+        written = unit.baseUnit
+        if written is None:
+            continue
+        factor, offset = float(written.factor), float(written.offset)
+        if factor and isfinite(factor) and isfinite(offset):
+            exponents = {name: int(getattr(written, name) or 0) for name in BASE}
+            yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
+
+
+def _relative(root: Any) -> dict[str, bool]:
+    """Return what variables say of relativeQuantity (fmpy 0.3.32 never finds it)."""
+    found = {}
+    for variable in root.iterfind("ModelVariables/*"):
+        for element in (variable, *variable.iterchildren("Real")):
+            if written := element.get("relativeQuantity"):
+                found[variable.get("name")] = written in ("true", "1")
+    return found
+
+
+def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
+    return units.get(name or "") or (BaseUnit() if name == "1" else None)
+
+
+def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
+    type_ = v.declaredType
+    name: str | None = v.unit or (type_.unit if type_ is not None else None)
+    base = _definition(name, units)
+    relative = v.relativeQuantity
+    if relative is None and type_ is not None:
+        relative = type_.relativeQuantity
+    unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
+    return FmuVariable(
+        name=v.name,
+        fmi_type=v.type,
+        reference=int(v.valueReference),
+        shape=tuple(v.shape or ()),
+        causality=v.causality or "local",
+        variability=v.variability or "continuous",
+        initial=v.initial,
+        unit=unit,
+        base_unit=base,
+        start=v.start,
+        min=v.min,
+        max=v.max,
+        description=v.description or "",
+        dtype=_WORDS.get(v.type, "float64") if major == 3 else "float64",
+    )
+
+
+def _dependencies(
+    unknowns: list[Any], names: set[str]
+) -> dict[str, frozenset[str] | None]:
+    found: dict[str, frozenset[str] | None] = {}
+    for unknown in unknowns:
+        if unknown.variable is None or unknown.variable.name not in names:
+            continue
+        declared = unknown.dependencies
+        found[unknown.variable.name] = (
+            None if declared is None else frozenset(d.name for d in declared)
+        )
+    return found
+
+
+def _platforms(path: Path) -> tuple[str, ...]:
+    folders = set()
+    for member in checked_members(path):
+        parts = member.filename.split("/")
+        if len(parts) > 2 and parts[0] == "binaries" and parts[2]:
+            folders.add(parts[1])
+    return tuple(sorted(folders))
+
+
+def _annotation(root: Any) -> tuple[Kind | None, Fraction | None]:
+    """Return kind and exact period that our own FMUs carry."""
+    for place in root.iter("{*}Tool", "{*}Annotation"):
+        if "feeddrive" not in (place.get("name"), place.get("type")):
+            continue
+        for model in place.iter("{*}Model"):
+            kind, period = model.get("kind"), model.get("period")
+            return cast(Kind, kind), Fraction(period) if period else None
+    return None, None
+
+
+def _number(text: Any) -> float | None:
+    return None if text in (None, "") else float(text)

@@ -1,0 +1,1 @@
+"""Folders held while they are in use, and temporary ones."""

@@ -1,0 +1,72 @@
+"""A folder that its owner keeps locked for as long as it lives.
+
+The system drops the lock however the owner ends, so that nothing left behind by
+a process that was killed passes for one under way.
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+
+LOCK = ".in-use"
+PATIENCE = 0.2  # s; whoever only looks holds it for a moment
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Hold a folder.
+
+    Raises:
+        OSError: another process, or another place of this one, holds it.
+    """
+    lock = os.open(folder / LOCK, os.O_CREAT | os.O_RDWR, 0o600)
+    try:
+        _take_soon(lock)
+        yield
+    finally:
+        os.close(lock)
+
+
+def is_held(folder: Path) -> bool:
+    """Tell whether somebody holds a folder.
+
+    Raises:
+        OSError: the folder cannot be looked into.
+    """
+    try:
+        lock = os.open(folder / LOCK, os.O_RDWR)
+    except FileNotFoundError:
+        return False
+    try:
+        _take(lock)
+    except OSError:
+        return True
+    finally:
+        os.close(lock)
+    return False
+
+
+def _take_soon(lock: int) -> None:
+    end = monotonic() + PATIENCE
+    while True:
+        try:
+            return _take(lock)
+        except OSError:
+            if monotonic() > end:
+                raise
+        sleep(0.01)
+
+
+def _take(lock: int) -> None:
+    """Lock a file, or raise OSError where it is locked already."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,0 +1,1 @@
+"""Where runs are kept: folders taken, listed and removed."""

@@ -1,0 +1,177 @@
+"""The folder of a run, its own from the first moment to the last.
+
+``runs/<study>/<scenario>/<n>/`` with n = 1, 2, ... taken by making it, or a folder
+the user names::
+
+    format                    a number: how the rest is laid out
+    begun.json                what runs, since when, what was changed
+    scenario.lock.toml fmus/  the run written down
+    result/                   rows, readable throughout
+    report.html
+    ended.json                why a run failed or who interrupted it
+    metrics.json              written last, by rename: the run is complete
+
+It is held (``orchestrator.folders.held``) while the run is under way.  A run that was
+refused before anything was recorded leaves no folder.
+"""
+
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from orchestrator.errors import FeedDriveError, Interrupted, ScenarioError
+from orchestrator.folders.held import LOCK as HELD
+from orchestrator.folders.held import held
+from orchestrator.result import reached
+
+RUNS = Path("runs")
+FORMAT = 1
+FORMAT_FILE = "format"
+BEGUN = "begun.json"
+ENDED = "ended.json"
+METRICS = "metrics.json"
+Kind: TypeAlias = Literal["run", "demo", "reproduce"]
+_FILES = (FORMAT_FILE, BEGUN, ENDED, METRICS, "report.html", "scenario.lock.toml")
+_FOLDERS = ("result", "fmus", "original")
+
+
+@dataclass(frozen=True)
+class Begun:
+    """What is run: ``name`` as ``run`` takes it, ``stop`` (s) if it has one."""
+
+    kind: Kind
+    name: str
+    changed: tuple[str, ...] = ()
+    stop: float | None = None
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """A folder that is held; ``number`` is n where it was numbered."""
+
+    path: Path
+    number: int | None = None
+
+    def complete(self, summary: Mapping[str, Any]) -> None:
+        """Write the figures: from now on the run is complete."""
+        _write(self.path / METRICS, summary)
+
+
+@contextmanager
+def taken(
+    folder: Path | None, begun: Begun, *, overwrite: bool = False
+) -> Iterator[RunFolder]:
+    """Take a folder for a run, the next numbered one if ``folder`` is None.
+
+    What ends the run is noted, and a ``FeedDriveError`` told where rows are.
+
+    Raises:
+        ScenarioError: the folder holds a run, or other things; see ``overwrite``.
+        Interrupted: Ctrl-C, when there are rows already.
+    """
+    with ExitStack() as stack:
+        if folder is None:
+            place = _next_number(RUNS / begun.name, stack)
+        else:
+            place = RunFolder(_named(folder, overwrite, stack))
+        (place.path / FORMAT_FILE).write_text(f"{FORMAT}\n", encoding="utf-8")
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        _write(place.path / BEGUN, {**asdict(begun), "begun": now})
+        try:
+            yield place
+        except BaseException as error:
+            rows = _reached(place.path)
+            if isinstance(error, FeedDriveError):
+                if error.exit_code == 2 and not any(place.path.rglob("result")):
+                    _forget(place)
+                    raise
+                error.folder = None if rows is None else place.path
+            interrupted = isinstance(error, KeyboardInterrupt)
+            how = "interrupted" if interrupted else "failed"
+            with suppress(OSError):  # the disk may be full: the first error counts
+                _write(place.path / ENDED, {"how": how, "why": str(error)})
+            if not interrupted or rows is None:
+                raise
+            told = Interrupted(
+                f"interrupted at t = {rows:g} s; the rows until then are in "
+                f"{place.path}/result"
+            )
+            told.folder = place.path
+            raise told from None
+
+
+def _forget(place: RunFolder) -> None:
+    shutil.rmtree(place.path, ignore_errors=True)
+    if place.number is not None:
+        with suppress(OSError):  # others ran there
+            for parent in place.path.parents[:-1]:
+                parent.rmdir()
+
+
+def _next_number(parent: Path, stack: ExitStack) -> RunFolder:
+    parent.mkdir(parents=True, exist_ok=True)
+    number = max(
+        (int(p.name) for p in parent.iterdir() if p.name.isdecimal()), default=0
+    )
+    while True:
+        number += 1
+        folder = parent / str(number)
+        try:
+            folder.mkdir()
+        except FileExistsError:  # another run was quicker
+            continue
+        stack.enter_context(held(folder))
+        return RunFolder(folder, number)
+
+
+def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
+    """Take the folder of that name; lose what an earlier run left in it if asked."""
+    if folder.is_file():
+        raise ScenarioError(f"{folder}: is a file; give a folder with -o")
+    folder.mkdir(parents=True, exist_ok=True)
+    there = {path.name for path in folder.iterdir()} - {HELD}
+    if there and not (folder / FORMAT_FILE).is_file() and not _old(folder):
+        raise ScenarioError(
+            f"{folder}: holds files that are no run; give another folder with -o"
+        )
+    try:
+        stack.enter_context(held(folder))
+    except OSError:
+        raise ScenarioError(
+            f"{folder}: another run is writing there; give another folder with -o"
+        ) from None
+    if (folder / FORMAT_FILE).is_file() or _old(folder):
+        if not overwrite:
+            raise ScenarioError(
+                f"{folder}: holds a run already; give another folder with -o, or "
+                f"--overwrite to lose that run"
+            )
+        for name in _FOLDERS:
+            shutil.rmtree(folder / name, ignore_errors=True)
+        for name in _FILES:
+            (folder / name).unlink(missing_ok=True)
+    return folder
+
+
+def _old(folder: Path) -> bool:
+    """Tell whether a folder holds a run of before folders said their format."""
+    return (folder / "scenario.lock.toml").is_file()
+
+
+def _reached(folder: Path) -> float | None:
+    try:
+        return reached(folder)
+    except Exception:  # whatever is wrong with the rows, the run's own error counts
+        return None
+
+
+def _write(file: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON so that a reader sees all of it or the file that was there."""
+    partial = file.with_suffix(".partial")
+    partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    partial.replace(file)

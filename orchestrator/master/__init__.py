@@ -1,0 +1,1 @@
+"""The co-simulation master: wires, orders, schedules, carries out, records a system."""

@@ -1,0 +1,210 @@
+"""The Python executor of a timetable: the reference, and the one for debugging.
+
+Each program is compiled once into a list of callables that take the instant k.
+Values move through one vector; every output read is checked to be finite.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from math import isfinite
+from time import perf_counter
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import SimulationError
+from orchestrator.instances.instance import Instance
+from orchestrator.master.faults import Faults
+from orchestrator.master.layout import Part
+from orchestrator.master.places import Copy, Views, carry, views
+from orchestrator.master.timetable import Op, Program, Timetable
+from orchestrator.profile import Spent
+
+Action = Callable[[int], None]
+
+
+YIELDED = 256  # instants between two yields
+
+
+class Executor:
+    """Runs a timetable on initialised instances; ``rows`` records a table's row.
+
+    ``count`` says how many instants are done.
+    """
+
+    name: Literal["kernel", "python"] = "python"
+
+    def __init__(
+        self,
+        timetable: Timetable,
+        instances: Mapping[str, Instance],
+        vector: NDArray[np.float64],
+        rows: Mapping[str, Callable[[float], None]],
+        *,
+        profiled: bool = False,
+    ) -> None:
+        self._profiled = profiled
+        self.count = 0
+        self._timetable = timetable
+        self._seconds = timetable.schedule.seconds
+        self._parts = timetable.wiring.parts
+        self._instances, self._rows = instances, rows
+        self._vector, self._views = vector, views(vector)
+        self._bits: Any = self._views["int64"]
+        self._lines = {
+            name: _Line(part, self._bits)
+            for name, part in self._parts.items()
+            if part.component.latency
+        }
+        names = (*self._parts, None)
+        self._accounts = {name: [0, 0.0] for name in names}
+        self._faults = Faults(timetable.wiring, timetable.schedule, vector)
+        self._compiled: dict[int, tuple[Program, list[Action]]] = {}
+
+    def run(self) -> Iterator[int]:
+        """Carry out all instants; yield the one reached every now and then.
+
+        Raises:
+            SimulationError: an FMU failed or gave a value that is not finite.
+            Ended: an FMU ended the run.
+        """
+        instances = list(self._instances.values())
+        for k, program in self._timetable.instants():
+            _, actions = self._compiled.get(id(program)) or self._compile(program)
+            for action in actions:
+                action(k)
+            self.count += 1
+            for instance in instances:
+                if instance.outcome.last:
+                    raise instance.ended()
+            if self.count % YIELDED == 0:
+                yield k
+
+    def _compile(self, program: Program) -> tuple[Program, list[Action]]:
+        actions = [self._action(op) for op in program]
+        if self._profiled:
+            pairs = zip(actions, program, strict=True)
+            actions = [self._timed(action, op) for action, op in pairs]
+        compiled = program, actions
+        self._compiled[id(program)] = compiled
+        return compiled
+
+    def _timed(self, action: Action, op: Op) -> Action:
+        in_fmu = op.code in ("advance", "tick", "read", "write")
+        account = self._accounts[op.target if in_fmu else None]
+        steps = op.code in ("advance", "tick")
+
+        def timed(k: int) -> None:
+            begun = perf_counter()
+            action(k)
+            account[0] += steps
+            account[1] += perf_counter() - begun
+
+        return timed
+
+    def spent(self) -> tuple[dict[str, Spent], float]:
+        """Return the time in each FMU and in the master (s), if profiled."""
+        accounts = self._accounts
+        spent = {name: Spent(int(n), s) for name, (n, s) in accounts.items() if name}
+        return spent, accounts[None][1]
+
+    def _action(self, op: Op) -> Action:
+        seconds = self._seconds
+        if op.code == "row":
+            row = self._rows[op.target]
+            return lambda k: row(seconds(k))
+        if op.code == "fault":
+            return partial(self._faults.apply, op.target)
+        part, instance = self._parts[op.target], self._instances[op.target]
+        if op.code in ("advance", "tick"):
+            step, back, h = instance.step, op.back, op.h
+            return lambda k: step(seconds(k - back), h)
+        if op.code == "write":
+            push = instance.push
+            return lambda _k: push()
+        if op.code == "read":
+            return self._read(part, instance)
+        copy = _copy(part.copies, self._views, seconds)
+        if op.code == "copy":
+            return copy
+        line = self._lines[op.target]
+        if op.code == "hold":
+            return lambda _k: line.hold()
+
+        def release(k: int) -> None:
+            line.release()
+            copy(k)
+
+        return release
+
+    def _read(self, part: Part, instance: Instance) -> Action:
+        view, pull, seconds = self._views["float64"], instance.pull, self._seconds
+        spans = [slice(part.raw + first, part.raw + end) for first, end in part.spans]
+
+        def read(k: int) -> None:
+            pull()
+            for span in spans:
+                if not all(map(isfinite, view[span])):
+                    raise refusal(part, self._vector, seconds(k))
+
+        return read
+
+
+class _Line:
+    """A latency line: what is held at tick k is released at tick k + latency."""
+
+    def __init__(self, part: Part, bits: Any) -> None:
+        self._bits, self._delayed = bits, part.delayed
+        self._raw, self._published = part.raw, part.published
+        self._rest = part.read_size - part.delayed
+        initial = bits[part.raw : part.raw + part.delayed].tolist()
+        self._ring = [initial] * part.component.latency
+        self._head = 0
+
+    def release(self) -> None:
+        for i, value in enumerate(self._ring[self._head], self._published):
+            self._bits[i] = value
+
+    def hold(self) -> None:
+        bits, raw, n = self._bits, self._raw, self._delayed
+        self._ring[self._head] = bits[raw : raw + n].tolist()
+        self._head = (self._head + 1) % len(self._ring)
+        for i in range(n, n + self._rest):
+            bits[self._published + i] = bits[raw + i]
+
+
+def _copy(
+    copies: tuple[Copy, ...], views: Views, seconds: Callable[[int], float]
+) -> Action:
+    view, bits = views["float64"], views["int64"]
+    exact = [(c.source, c.sink) for c in copies if c.is_exact]
+    rest = [c for c in copies if not c.is_exact]
+    converting = [
+        (c.source, c.sink, c.affine.gain, c.affine.offset)
+        for c in rest
+        if c.is_of_doubles
+    ]
+    between_types = [c for c in rest if not c.is_of_doubles]
+
+    def copy(k: int) -> None:
+        for source, sink in exact:
+            bits[sink] = bits[source]
+        for source, sink, gain, offset in converting:
+            view[sink] = gain * view[source] + offset
+        for c in between_types:
+            carry(c, views, seconds(k))
+
+    return copy
+
+
+def refusal(part: Part, vector: NDArray[np.float64], t: float) -> SimulationError:
+    """Return the error for the first value that is not finite."""
+    names = [f"{v.name}" for v in part.read for _ in range(v.size)]
+    places = [i for first, end in part.spans for i in range(first, end)]
+    found = ((names[i], float(vector[part.raw + i])) for i in places)
+    name, value = next((n, v) for n, v in found if not isfinite(v))
+    return SimulationError(
+        f"{part.name} ({part.fmu.path.name}): {name} is {value} at t = {t:.9g} s; "
+        f"look at its inputs just before (record them), or take smaller steps"
+    )

@@ -1,0 +1,224 @@
+"""Rows on their way to disk: Arrow streams while running, Parquet at the end.
+
+One file per row period.  Rows are collected in chunks, column after column, by
+either executor, and flushed when a chunk is full or ``flush`` is called, so that
+what a killed run had flushed stays readable; ``close`` turns the streams into
+Parquet.
+"""
+
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import nullcontext, suppress
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import SimulationError
+from orchestrator.master.layout import Column
+from orchestrator.master.timetable import table_name
+
+# rows collected at most; a cache line beyond a power of two, lest all columns share
+# the same few lines of the cache
+CHUNK = 4096 + 8
+GROUP = 1 << 17  # rows of a Parquet row group, about
+# signals hardly repeat: a dictionary takes nine times as long and twice the space
+PARQUET: dict[str, Any] = {
+    "use_dictionary": False,
+    "column_encoding": "BYTE_STREAM_SPLIT",
+    "compression": "zstd",
+}
+
+
+def refuse_no_room(
+    folder: Path, tables: Mapping[Fraction, tuple[Column, ...]], stop: Fraction
+) -> None:
+    """Refuse a run whose rows would not fit on the disk, before it begins.
+
+    Raises:
+        SimulationError: there is less space than the rows need.
+    """
+    rows = {period: stop // period + 1 for period in tables}
+    needed = sum(8 * n * (1 + len(tables[period])) for period, n in rows.items())
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise SimulationError(
+            f"{folder}: {sum(rows.values()):,} rows need about {needed / 1e9:.3g} GB, "
+            f"{free / 1e9:.3g} GB are free; record less, give [record] a longer "
+            f"period, or lower stop"
+        )
+
+
+class Recorder:
+    """All tables of one run by their name."""
+
+    def __init__(
+        self,
+        folder: Path,
+        tables: Mapping[Fraction, tuple[Column, ...]],
+        vector: NDArray[np.float64],
+    ) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in folder.glob("every_*_s.*"):
+            old.unlink()
+        self.tables = {
+            table_name(period): Table(
+                folder / f"{_stem(period)}.arrows", columns, vector
+            )
+            for period, columns in tables.items()
+        }
+
+    def flush(self) -> None:
+        """Write every row recorded so far."""
+        for table in self.tables.values():
+            table.flush()
+
+    def close(self, *, complete: bool) -> None:
+        """End the streams; of a complete run make Parquet tables of them.
+
+        Of a run that failed that failure is what counts: nothing is raised then.
+        """
+        for table in self.tables.values():
+            with nullcontext() if complete else suppress(SimulationError):
+                table.close()
+        for table in self.tables.values() if complete else ():
+            try:
+                _to_parquet(table.path)
+            except OSError as error:
+                raise _full(table.path.with_suffix(".parquet"), error) from None
+
+
+def _about(column: Column) -> dict[str, str]:
+    """Return a column's metadata: its unit, and the instants it is published at."""
+    published = column.published
+    about = column.unit.metadata()
+    return about | ({"published": str(published)} if published else {})
+
+
+class Table:
+    """Rows of one period: ``time`` (s, CHUNK) and ``values`` (columns, CHUNK).
+
+    ``index`` says where in the vector each column comes from; ``count[0]`` rows
+    are waiting to be flushed.
+    """
+
+    def __init__(
+        self, path: Path, columns: tuple[Column, ...], vector: NDArray[np.float64]
+    ) -> None:
+        import pyarrow as pa
+
+        self.path = path
+        fields = [pa.field("time", pa.float64(), metadata={"unit": "s"})]
+        for c in columns:
+            kind = pa.float64() if c.affine.converts else getattr(pa, c.dtype)()
+            fields.append(pa.field(c.name, kind, metadata=_about(c)))
+        self._pa, self._schema = pa, pa.schema(fields)
+        self._dtypes = [np.dtype(c.dtype) for c in columns]
+        self._file = path.open("wb")
+        self._stream = pa.ipc.new_stream(self._file, self._schema)
+        self.index = np.array([c.index for c in columns], dtype=np.intp)
+        self._affine = {
+            i: (c.affine.gain, c.affine.offset)
+            for i, c in enumerate(columns)
+            if c.affine.converts
+        }
+        self._vector = vector
+        self.time = np.empty(CHUNK)
+        self.values = np.empty((len(columns), CHUNK))
+        self.count = np.zeros(1, dtype=np.int64)
+
+    def row(self, t: float) -> None:
+        """Append the values now in the vector."""
+        n = int(self.count[0])
+        self.time[n] = t
+        self.values[:, n] = self._vector[self.index]
+        self.count[0] = n + 1
+        if n + 1 == CHUNK:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the rows that are waiting.
+
+        Raises:
+            SimulationError: the disk is full or gone.
+        """
+        n = int(self.count[0])
+        if not n:
+            return
+        columns = [self._column(values) for values in self._converted(n)]
+        self.count[0] = 0
+        try:
+            batch = self._pa.record_batch(columns, schema=self._schema)
+            self._stream.write_batch(batch)
+            self._file.flush()
+        except OSError as error:
+            raise _full(self.path, error) from None
+
+    def _column(self, values: NDArray[Any]) -> Any:
+        """Return an Arrow array on the same memory (``pa.array`` imports pandas)."""
+        buffers = [None, self._pa.py_buffer(values)]
+        kind = getattr(self._pa, values.dtype.name)()
+        return self._pa.Array.from_buffers(kind, len(values), buffers)
+
+    def _converted(self, n: int) -> Iterator[NDArray[Any]]:
+        yield self.time[:n]
+        for i, places in enumerate(self.values[:, :n]):
+            values = places.view(self._dtypes[i])
+            if i in self._affine:
+                gain, offset = self._affine[i]
+                yield gain * values.astype(np.float64) + offset
+            else:
+                yield values
+
+    def close(self) -> None:
+        """Flush and end the stream.
+
+        Raises:
+            SimulationError: the disk is full or gone.
+        """
+        try:
+            self.flush()
+            self._stream.close()
+            self._file.flush()
+        except OSError as error:
+            raise _full(self.path, error) from None
+        finally:
+            with suppress(OSError):  # which tries to write once more
+                self._file.close()
+
+
+def _full(path: Path, error: OSError) -> SimulationError:
+    return SimulationError(
+        f"{path}: rows cannot be written ({error}); free some space or record less; "
+        f"the rows before stay readable"
+    )
+
+
+def _stem(period: Fraction) -> str:
+    return f"every_{period.numerator}_{period.denominator}_s"
+
+
+def _to_parquet(path: Path) -> None:
+    """Turn an Arrow stream into a Parquet file, some batches at a time."""
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    target: Any = path.with_suffix(".partial")
+    with (
+        pa.OSFile(str(path)) as file,  # a path would be mapped into memory whole
+        pa.ipc.open_stream(file) as stream,
+        pyarrow.parquet.ParquetWriter(target, stream.schema, **PARQUET) as writer,
+    ):
+        waiting, rows = [], 0
+        for batch in stream:
+            waiting.append(batch)
+            rows += batch.num_rows
+            if rows >= GROUP:
+                writer.write_table(pa.Table.from_batches(waiting))
+                waiting, rows = [], 0
+        if waiting:
+            writer.write_table(pa.Table.from_batches(waiting))
+    target.replace(path.with_suffix(".parquet"))
+    path.unlink()

@@ -1,0 +1,224 @@
+"""A system checked against its FMUs, its connections resolved.
+
+Refused here: unknown names, two sorts or units that do not fit, what is no
+input, a latency on a continuous component, parameters that are not numbers or
+cannot be set, steps an FMU does not take.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+
+from orchestrator.errors import ScheduleError, WiringError, did_you_mean
+from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.ports import Port, connection, ports
+from orchestrator.master.layout import (
+    Column,
+    Edge,
+    Faulty,
+    Layout,
+    Link,
+    Wiring,
+    kind_of,
+)
+from orchestrator.system import Component, System, split_name
+
+ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
+
+
+def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
+    """Check a system against its FMUs and lay it out.
+
+    Raises:
+        WiringError, ScheduleError: see the contract above.
+    """
+    for name, component in system.components.items():
+        _check_component(system, component, fmus[name])
+    links, notes, warnings = _links(system, fmus)
+    recorded = {
+        name: _ports_of(system, fmus, name, f"record.{name!r}")
+        for name in system.record
+    }
+    warnings += [
+        d for found in recorded.values() for port in found for d in port.doubts
+    ]
+    layout = Layout(system, fmus, links, recorded)
+    parts = {name: layout.part(name) for name in system.components}
+    edges = tuple(
+        Edge(s.component, s.variable.name, t.component, t.variable.name)
+        for s, t, _ in links
+    )
+    tables: dict[Fraction, list[Column]] = {}
+    for name, found in recorded.items():
+        for period in system.record[name]:
+            columns = tables.setdefault(period, [])
+            columns.extend(layout.column(port) for port in found)
+    return Wiring(
+        system,
+        parts,
+        tuple(dict.fromkeys(edges)),
+        {period: tuple(columns) for period, columns in tables.items()},
+        layout.size,
+        tuple(notes),
+        tuple(dict.fromkeys(warnings)),
+        tuple(_faulty(system, fmus, layout)),
+    )
+
+
+def _faulty(
+    system: System, fmus: Mapping[str, FmuDescription], layout: Layout
+) -> Iterator[Faulty]:
+    """Yield every place of an input that has faults.
+
+    Raises:
+        WiringError: no connection leads there, or a number is computed of a switch.
+    """
+    brought = {
+        (t.component, t.variable.name, t.element): Edge(
+            s.component, s.variable.name, t.component, t.variable.name
+        )
+        for s, t, _ in layout.links
+    }
+    for name, faults in system.faults.items():
+        where = f"faults.{name!r}"
+        for port in _ports_of(system, fmus, name, where):
+            key = (port.component, port.variable.name)
+            edge = brought.get((*key, port.element))
+            if edge is None:
+                known = {f"{e.sink}.{e.input}" for e in brought.values()}
+                raise WiringError(
+                    f"{where}: no connection leads to {port.full_name}; "
+                    f"{did_you_mean(name, known)}"
+                )
+            if port.variable.sort != "real" and (
+                kinds := {f.kind for f in faults} & {"bias", "gain", "quantisation"}
+            ):
+                raise WiringError(
+                    f"{where}: {port.full_name} is {port.variable.sort}, which has no "
+                    f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
+                )
+            place = layout.input_at[key] + port.element
+            yield Faulty(edge, place, port.variable.dtype, port.to_theirs, faults)
+
+
+def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
+    where = f"components.{c.name}"
+    if not (fmu.co_simulation or fmu.model_exchange):
+        raise WiringError(
+            f"{where}: {fmu.path.name} is neither for co-simulation nor for model "
+            f"exchange; export it for one of these"
+        )
+    if c.kind and fmu.kind and c.kind != fmu.kind:
+        raise WiringError(f"{where}.kind: {fmu.path.name} is {fmu.kind}, not {c.kind}")
+    kind = kind_of(c, fmu)
+    if c.latency < 0 or (c.latency and kind == "continuous"):
+        raise WiringError(
+            f"{where}.latency = {c.latency}: a whole number of samples >= 0, and only "
+            f"on a sampled component (this one is {kind})"
+        )
+    if fmu.period and c.period != fmu.period:
+        raise ScheduleError(
+            f"{where}.step = {c.period} s, but {fmu.path.name} was built for a sample "
+            f"time of {fmu.period} s; build it again with --period {c.period}"
+        )
+    if c.split is not None and kind == "sampled":
+        raise WiringError(
+            f"{where}.split: a sampled component ticks, it has no step to split; "
+            f"remove it"
+        )
+    if kind == "sampled" or fmu.variable_step:
+        return
+    if c.split:
+        raise WiringError(
+            f"{where}.split = true: {fmu.path.name} only takes equal steps "
+            f"(canHandleVariableCommunicationStepSize is false); remove it"
+        )
+    _refuse_no_multiple(where, c, fmu)
+    if c.offset:
+        raise ScheduleError(
+            f"{where}.offset: {fmu.path.name} has a fixed step and cannot start with a "
+            f"step of {c.offset} s; set offset = 0"
+        )
+    if system.stop % c.period:
+        low = system.stop // c.period * c.period
+        raise ScheduleError(
+            f"stop = {system.stop} s: {c.name} ({fmu.path.name}) only takes steps of "
+            f"{c.period} s; the nearest stops are {low} and {low + c.period} s"
+        )
+
+
+def _refuse_no_multiple(where: str, c: Component, fmu: FmuDescription) -> None:
+    """FMI 3.0.2 section 4.2: steps are multiples of fixedInternalStepSize."""
+    if fmu.internal_step is None:
+        return
+    ratio = c.period / fmu.internal_step
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > ROUNDED * ratio:
+        below = max(1, int(ratio)) * fmu.internal_step
+        raise ScheduleError(
+            f"{where}.step = {c.period} s: {fmu.path.name} steps by "
+            f"{float(fmu.internal_step):g} s inside (fixedInternalStepSize) and takes "
+            f"whole multiples of that only, such as {float(below):g} s; set step"
+        )
+
+
+def _links(
+    system: System, fmus: Mapping[str, FmuDescription]
+) -> tuple[list[Link], list[str], list[str]]:
+    links: list[Link] = []
+    notes: list[str] = []
+    warnings: list[str] = []
+    driven: dict[tuple[str, str, int], str] = {}
+    for sink, source in system.connections.items():
+        where = f"connections.{sink!r} = {source!r}"
+        targets = _ports_of(system, fmus, sink, where)
+        origins = _ports_of(system, fmus, source, where)
+        for origin, target in _pairs(origins, targets, where):
+            if target.variable.causality != "input":
+                raise WiringError(
+                    f"{where}: {target.full_name} is no input but a "
+                    f"{target.variable.causality}; inputs of {target.component}: "
+                    f"{', '.join(fmus[target.component].inputs) or 'none'}"
+                )
+            key = (target.component, target.variable.name, target.element)
+            if key in driven:
+                raise WiringError(
+                    f"{where}: {target.full_name} is already driven by {driven[key]}; "
+                    f"remove one of the two"
+                )
+            driven[key] = origin.full_name
+            affine, note, doubts = connection(origin, target)
+            links.append((origin, target, affine))
+            notes.extend([note] if note else [])
+            warnings.extend(doubts)
+    return links, notes, warnings
+
+
+def _pairs(
+    origins: Sequence[Port], targets: Sequence[Port], where: str
+) -> list[tuple[Port, Port]]:
+    if len(origins) == len(targets) == 1:
+        return [(origins[0], targets[0])]
+    by_label = {port.label: port for port in origins}
+    missing = [t.label for t in targets if t.label not in by_label]
+    if missing or len(origins) != len(targets):
+        raise WiringError(
+            f"{where}: {len(origins)} values for {len(targets)}"
+            + (f", none for {', '.join(missing)}" if missing else "")
+            + "; connect arrays of one shape or records with the same fields"
+        )
+    return [(by_label[t.label], t) for t in targets]
+
+
+def _ports_of(
+    system: System, fmus: Mapping[str, FmuDescription], full: str, where: str
+) -> list[Port]:
+    owner, name = split_name(full)
+    if owner not in system.components:
+        raise WiringError(
+            f"{where}: no component {owner!r}; {did_you_mean(owner, system.components)}"
+        )
+    if not name:
+        raise WiringError(f"{where}: write component.variable, not {full!r}")
+    try:
+        return ports(system.components[owner], fmus[owner], name)
+    except WiringError as error:
+        raise WiringError(f"{where}: {error}") from None

@@ -1,0 +1,1 @@
+"""C of the orchestrator, compiled once: the kernel, the channel between processes."""

@@ -1,0 +1,1 @@
+"""Ball-screw drive of the pole-placement study: screw, table, amplifier, encoders."""

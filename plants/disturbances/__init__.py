@@ -1,0 +1,1 @@
+"""Loads, disturbances and excitations that serve several drives."""

@@ -1,0 +1,1 @@
+"""T-type gantry on linear motors: y axis with yaw, x axis, encoders."""

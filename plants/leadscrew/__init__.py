@@ -1,0 +1,1 @@
+"""Leadscrew mechanism with presliding friction."""

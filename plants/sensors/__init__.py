@@ -1,0 +1,1 @@
+"""Sensors that serve several drives."""

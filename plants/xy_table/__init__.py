@@ -1,0 +1,1 @@
+"""XY ball-screw table, identified from its frequency response."""

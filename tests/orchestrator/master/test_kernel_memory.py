@@ -1,0 +1,52 @@
+"""Kernel and adapters neither leak nor touch what is not theirs."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from systems import MODELS
+
+from fmus.build import build
+from fmus.native_source import adapter_sources, source_names
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
+from orchestrator.native.library import SOURCES
+
+HOST = Path(__file__).parents[2] / "support" / "kernel_host.c"
+SANITIZERS = "-fsanitize=address,undefined"
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="zig brings no address sanitizer")
+@pytest.mark.parametrize("model", ["counter", "integrator"])
+def test_1000_instances_leave_nothing_behind(model: str, tmp_path: Path) -> None:
+    """Create, run by the kernel in both versions of FMI, free; under gcc's sanitizers.
+
+    The FMU's own sources are compiled with the kernel into one program.
+    """
+    fmu = build(str(MODELS / f"{model}.py"), fmi=3)
+    with unpacked(fmu) as folder:
+        sources = folder / "sources"
+        files = [sources / name for name in source_names(adapter_sources())]
+        others = [file for file in SOURCES if file.name != "kernel.c"]  # HOST has it
+        files += [sources / "model_data.c", *others, HOST]
+        described = read_fmu(fmu)
+        flags = ["-O1", "-g", "-std=gnu11", "-ffp-contract=off", SANITIZERS]
+        flags += [
+            "-fno-sanitize-recover=all",
+            f"-I{sources}",
+            f'-DTOKEN="{described.token}"',
+        ]
+        references = {
+            "INPUT": described["u"].reference,
+            "OUTPUT": described[described.outputs[0]].reference,
+            "CLOCK": described.clock or 0,
+        }
+        flags += [f"-D{name}_REFERENCE={r}" for name, r in references.items()]
+        flags += [f"-DCLOCKED={int(described.clock is not None)}"]
+        program = tmp_path / "host"
+        command = ["gcc", *flags, *map(str, files), "-lm", "-o", str(program)]
+        subprocess.run(command, check=True, capture_output=True)
+    done = subprocess.run([program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout == "1000 instances\n"
