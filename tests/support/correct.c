@@ -17,6 +17,7 @@
    Value references: 0 input u, 1 output y, 2 parameter a, 3 output s (FMI 3: arrays),
    4 structural parameter n, 5 parameter b (FMI 3); from 100 on MORE parameters that
    start at 0 (FMI 2).  config.h as for foreign.c. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
 #include <math.h>

@@ -11,19 +11,22 @@ KINDS = (
 )
 
 
+_LIBRARIES: dict[tuple[int, str, int], Path] = {}  # compiled once in a session
+
+
 def correct(
     fmi: int, folder: Path, kind: str = "plain", *, variable_step: bool = True
 ) -> Path:
     """Build the FMU of one of ``KINDS`` into a folder and return its path."""
     place = folder / kind.replace(" ", "_")
     place.mkdir(parents=True, exist_ok=True)
-    library = compile_source(fmi, SOURCE, place, (), defined(kind))
+    library = _compiled(fmi, kind, 0, place)
     return packed(fmi, place, library, describe(fmi, variable_step))
 
 
 def large(folder: Path, parameters: int, locals_: int) -> Path:
     """Build one (FMI 2) with many parameters, and names of y besides."""
-    library = compile_source(2, SOURCE, folder, (), defined("plain", parameters))
+    library = _compiled(2, "plain", parameters, folder)
     more = [
         f'<ScalarVariable name="drive[{i}].p" valueReference="{100 + i}" '
         f'causality="parameter" variability="fixed"><Real unit="1" start="0"/>'
@@ -43,7 +46,15 @@ def large(folder: Path, parameters: int, locals_: int) -> Path:
 
 
 def defined(kind: str, more: int = 0) -> dict[str, int]:
+    """Return what config.h defines."""
     return {"KIND": KINDS.index(kind), "MORE": more}
+
+
+def _compiled(fmi: int, kind: str, more: int, folder: Path) -> Path:
+    key = (fmi, kind, more)
+    if key not in _LIBRARIES:
+        _LIBRARIES[key] = compile_source(fmi, SOURCE, folder, (), defined(kind, more))
+    return _LIBRARIES[key]
 
 
 def source_of(fmi: int, kind: str = "plain") -> dict[str, str]:
