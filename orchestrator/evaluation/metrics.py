@@ -41,7 +41,7 @@ from orchestrator.quantity import (
     converter,
     parse_quantity,
 )
-from orchestrator.result import Signal
+from orchestrator.result import End, Signal
 from orchestrator.unit import Unit, conversion, product_unit, quotient_unit, unit_of
 
 Array: TypeAlias = NDArray[np.float64]
@@ -52,10 +52,12 @@ def evaluate(
     specs: Mapping[str, MetricSpec],
     signals: Mapping[str, Signal],
     parameter: Parameters,
+    ended: End | None = None,
 ) -> dict[str, Quantity]:
     """Return all figures ``<metric>.<figure>`` of a run.
 
-    ``parameter`` returns the value and unit of a ``component.parameter``.
+    ``parameter`` returns the value and unit of a ``component.parameter``.  Of a run
+    that ``ended`` early, metrics have no value whose window was not reached.
 
     Raises:
         ScenarioError: a signal is not recorded, grids or units do not fit, a
@@ -65,12 +67,26 @@ def evaluate(
     for name, spec in specs.items():
         try:
             with np.errstate(all="ignore"):  # what overflows has no value
-                found = _figures(spec, signals, parameter)
+                found = _until(ended, spec, signals, parameter)
             for key, figure in found.items():
                 figures[f"{name}.{key}"] = _in_range(figure)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
     return figures
+
+
+def _until(
+    ended: End | None,
+    spec: MetricSpec,
+    signals: Mapping[str, Signal],
+    parameter: Parameters,
+) -> dict[str, Quantity]:
+    if ended is None or spec.window is None or spec.window[1] <= ended.at:
+        return _figures(spec, signals, parameter)
+    whole = spec.model_copy(update={"window": None})  # for the figures' names
+    why = f"its window until {float(spec.window[1]):g} s was not reached: {ended}"
+    found = _figures(whole, signals, parameter)
+    return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
 
 
 def _in_range(figure: Quantity) -> Quantity:
@@ -209,6 +225,7 @@ _PLAIN: dict[str, Callable[[Array], float]] = {
     "peak": lambda y: float(np.max(np.abs(y))),
     "rms": lambda y: float(np.sqrt(np.mean(y**2))),
     "mean": lambda y: float(np.mean(y)),
+    "mean_abs": lambda y: float(np.mean(np.abs(y))),
     "max": lambda y: float(np.max(y)),
     "min": lambda y: float(np.min(y)),
     "final": lambda y: float(y[-1]),

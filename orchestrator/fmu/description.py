@@ -112,6 +112,7 @@ class FmuDescription:
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
+    log_categories: tuple[str, ...]
 
     def __getitem__(self, name: str) -> FmuVariable:
         try:
@@ -220,6 +221,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
     )
 
 

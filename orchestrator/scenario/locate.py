@@ -14,7 +14,7 @@ from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
-from orchestrator.system import Component, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 
 
 @dataclass(frozen=True)
@@ -95,6 +95,8 @@ def component_of(
             float(spec.answer_within),
             spec.memory_limit,
         ),
+        experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
+        split=spec.split,
     )
     fmu = read_fmu(found.path)
     parameters = in_own_units(component, fmu, "parameters", spec.parameters)

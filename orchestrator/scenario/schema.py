@@ -94,7 +94,10 @@ Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_sou
 
 
 class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side."""
+    """A foreign variable under our name: theirs, gain, offset, unit of our side.
+
+    A ``value``, in our unit, is one of the component's parameters.
+    """
 
     name: str
     gain: float | None = None
@@ -107,6 +110,13 @@ class MapSpec(Strict):
         if value is not None and (value == 0 or not np.isfinite(value)):
             raise ValueError(f"{value} is no gain: a finite number other than zero")
         return value
+
+
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
 
 
 class ComponentSpec(Strict):
@@ -123,6 +133,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod
