@@ -12,7 +12,7 @@ from controllers.synthesis.ball_screw_lpv.plants import hybrid, over_x, over_x_a
 from controllers.synthesis.linearise import linearise
 from fmus.model import Model, leaves
 from plants.ball_screw_lpv import hybrid as hybrid_plant
-from plants.ball_screw_lpv import lpv, lpv_mass, motor_drive
+from plants.ball_screw_lpv import lpv, lpv_mass, milling, motor_drive
 from plants.ball_screw_lpv._screw import Screw, matrices
 
 FULL = {"x_c": (0.1, 0.6), "m_wor": (0.0, 100.0)}  # m, kg: ranges of fig. 3.8 to 3.10
@@ -119,6 +119,25 @@ def rigid_body() -> dict[str, float]:
         "J_e_calibrated": p.m_tab * table + screw + p.J_m,
         "pole": -rigid.B_e / rigid.J_e,
         "mass": rigid.J_e / rigid.r_g**2,
+    }
+
+
+def cutting() -> dict[str, float]:
+    """Return the cutting conditions in the units of Table 4.2, and the frequency at
+    which teeth pass (rad/s)."""
+    p = milling.Parameters()
+    return {
+        "depth": 1e3 * p.depth,
+        "n": 60 * p.n_hz,
+        "c": 1e3 * p.c,
+        "D": 1e3 * p.D,
+        "N": milling.TEETH,
+        "beta": float(np.rad2deg(p.beta)),
+        "K_tc": 1e-6 * p.K_tc,
+        "K_rc": 1e-6 * p.K_rc,
+        "K_te": 1e-3 * p.K_te,
+        "K_re": 1e-3 * p.K_re,
+        "tooth_pass": 2 * np.pi * p.n_hz * milling.TEETH,
     }
 
 
