@@ -8,7 +8,7 @@ Source: Hanifzadegan 2014, fig. 4.1 and 4.5.
 
 from typing import Annotated, NamedTuple
 
-from controllers.ball_screw_lpv import k_track_damped
+from controllers.ball_screw_lpv import k_track, k_track_damped
 from controllers.ball_screw_lpv import k_vib as k_v
 from controllers.ball_screw_lpv._table import Slopes
 from controllers.ball_screw_lpv.lpv import Input
@@ -43,7 +43,7 @@ def step(
     """Run the parts at the same instant."""
     told = k_v.Input(u.u_m, u.u_c)
     vibration, y = k_v.step(x.vibration, told, p.k_vib, T_s, d)
-    command = k_track_damped.Input(u.r, u.u_c)
+    command = k_track.Input(u.r, u.u_c)
     track, tracking = k_track_damped.step(x.track, command, p.track, T_s)
     v_m = tracking.v_t + y.v_v
     return State(track, vibration), Output(v_m, tracking.v_t, y.v_v, tracking.e)

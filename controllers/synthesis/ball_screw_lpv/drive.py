@@ -64,7 +64,7 @@ def extremes(points: int = 21) -> dict[str, float]:
         for x_c in np.linspace(*FULL["x_c"], points)
         for m_wor in np.linspace(*FULL["m_wor"], points)
     ]
-    found = {}
+    found: dict[str, float] = {}
     for name in ("omega", "c_hys"):
         values = [point[name] for point in grid]
         found |= {f"{name}_min": min(values), f"{name}_max": max(values)}
