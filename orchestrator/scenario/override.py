@@ -1,7 +1,7 @@
 """What ``--set key=value`` changes in a scenario's tables.
 
     component.parameter   component.nested.parameter   component.state.x_1
-    component.step  .offset  .latency  .fmu  .kind     (of the component itself)
+    component.step  .offset  .latency  .fmu  .kind  .split   (of the component itself)
     rates.name   stop   fmi
     faults.component.input.value  .samples  .window  .kind
     faults.component.input=false (leave it out)
@@ -19,9 +19,9 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
-from orchestrator.scenario.schema import parse_value
+from orchestrator.scenario.schema import parse_setting
 
-_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind")
+_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
 _OF_DESIGN = ("from_run", "call")
 _OF_FAULT = ("kind", "value", "samples", "window")
 
@@ -127,7 +127,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
     if table not in ("parameters", "start") or not name:
         table, name = ("start" if table == "state" else "parameters"), rest
     try:
-        parse_value(value)
+        parse_setting(value)
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
     component.setdefault(table, {})[name] = value

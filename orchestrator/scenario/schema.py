@@ -65,6 +65,15 @@ def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def parse_setting(value: Any) -> Value | str:
+    """Return what a parameter or start is set to: a value, or a text as ``"8 kg"``.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    return value if isinstance(value, str) else parse_value(value)
+
+
 def _source(value: Any) -> float | str | tuple[str, ...]:
     if isinstance(value, str):
         return value
@@ -80,17 +89,34 @@ Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
-Number: TypeAlias = Annotated[Value, PlainValidator(parse_value)]
+Number: TypeAlias = Annotated[Value | str, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
 
 
 class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side."""
+    """A foreign variable under our name: theirs, gain, offset, unit of our side.
+
+    A ``value``, in our unit, is one of the component's parameters.
+    """
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
+
+    @field_validator("gain")
+    @classmethod
+    def _passes_something(cls, value: float | None) -> float | None:
+        if value is not None and (value == 0 or not np.isfinite(value)):
+            raise ValueError(f"{value} is no gain: a finite number other than zero")
+        return value
+
+
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
 
 
 class ComponentSpec(Strict):
@@ -107,6 +133,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod

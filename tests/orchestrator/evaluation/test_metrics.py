@@ -56,7 +56,14 @@ def test_signals_of_different_rows_are_compared_where_both_have_one():
 
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [("peak", 3.0), ("max", 1.0), ("min", -3.0), ("final", 1.0), ("mean", -1.0)],
+    [
+        ("peak", 3.0),
+        ("max", 1.0),
+        ("min", -3.0),
+        ("final", 1.0),
+        ("mean", -1.0),
+        ("mean_abs", 2.0),
+    ],
 )
 def test_plain_figures(kind, value):
     signals = {"plant.x": signal(1.0 - 4.0 * (TIME < 1.0005))}
@@ -176,6 +183,6 @@ def test_an_expectation_on_what_has_no_value_is_unmet_with_the_reason():
     found = {"m.settling": NoValue("s", why="not settled: 3 um at 2 s")}
     (result,) = check({"m.settling": Expectation(below=30, unit="ms")}, found)
     assert (result.met, result.decided) == (False, False)
-    assert result.text == "m.settling: not settled: 3 um at 2 s; expected below 30"
+    assert result.text == "m.settling: not settled: 3 um at 2 s; expected below 30 ms"
     with pytest.raises(ScenarioError, match=r"m\.settling"):
         check({"m.settling": Expectation(below=30, unit="mm")}, found)
