@@ -125,8 +125,9 @@ class FmuDescription:
             ) from None
 
     @property
-    def is_ours(self) -> bool:
-        return self.kind is not None  # only our exporter says
+    def says_it_is_ours(self) -> bool:
+        """Whether it has what our exporter writes; anybody can write that."""
+        return self.kind is not None
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
