@@ -7,7 +7,16 @@ failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator.cli import check, design, fmus, run, runs, second_opinion, study
+from orchestrator.cli import (
+    build,
+    check,
+    design,
+    fmus,
+    run,
+    runs,
+    second_opinion,
+    study,
+)
 
 app = typer.Typer(
     name="feeddrive",
@@ -20,7 +29,7 @@ for verb in (
     study.demo,
     study.scenarios,
     fmus.models,
-    fmus.build,
+    build.build,
     fmus.info,
     check.check,
     run.schedule,
