@@ -45,7 +45,8 @@ def build(
     """Return an FMU of ``module.model``, from the cache if it is there.
 
     ``module`` is a dotted name or the path of a model file.  ``period`` (s)
-    replaces that of a sampled model.  ``platforms`` default to the host's; those
+    replaces that of a sampled model.  ``platforms``, called as by us or as in FMI
+    (``win64``, ``x86_64-windows``), default to the host's; those
     of Python FMUs are pythonfmu's.  With ``folder`` the file is copied there.
 
     Raises:
@@ -55,7 +56,7 @@ def build(
     """
     _check_options(kind, fmi, period)
     files = sources(module)
-    wanted = tuple(sorted(set(platforms))) if platforms is not None else None
+    wanted = None if platforms is None else _named(platforms)
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
     here = (host.system(), host.machine())
     key = _key(files, kind, fmi, period, here if wanted is None else wanted)
@@ -101,6 +102,12 @@ def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
         raise BuildError("Python FMUs are FMI 2 only: ask for that or for a native one")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
+
+
+def _named(platforms: Sequence[str]) -> tuple[str, ...]:
+    from fmus.compile import platforms_named
+
+    return tuple(sorted({ours for name in platforms for ours in platforms_named(name)}))
 
 
 def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
