@@ -76,6 +76,12 @@ def run(
     sets: Sets = [],  # noqa: B006 - Typer copies it
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
+    map_out: Annotated[
+        Path | None,
+        typer.Option(
+            "--map-out", help="write the map that is proposed for a swap, run nothing"
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -98,8 +104,10 @@ def run(
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
+    original = None
+    if swap:
+        original = load_original(scenario, sets, swap, map, fmi, map_out)
     loaded = load(scenario, sets, swap, map, fmi)
-    original = load_original(scenario, sets, swap, map, fmi) if swap else None
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Run] = {}
 
