@@ -44,14 +44,18 @@ def build(
     kind: FmuKind = "native",
     fmi: "Fmi" = 2,
     period: Fraction | None = None,
+    clock: bool = True,
     platforms: Sequence[str] | None = None,
     folder: Path | None = None,
 ) -> Path:
     """Return an FMU of ``module.model``, from the cache if it is there.
 
     ``module`` is a dotted name or the path of a model file.  ``period`` (s)
-    replaces that of a sampled model.  ``platforms`` default to the host's; those
-    of Python FMUs are pythonfmu's.  With ``folder`` the file is copied there.
+    replaces that of a sampled model.  Without ``clock`` a sampled model has no
+    input clock in FMI 3, which some importers take for a number.  ``platforms``,
+    called as by us or as in FMI (``win64``, ``x86_64-windows``), default to the
+    host's; those of Python FMUs are pythonfmu's.  With ``folder`` the file is
+    copied there.
 
     Raises:
         BuildError: the options do not go together, or the module is missing, has
@@ -60,17 +64,17 @@ def build(
     """
     _check_options(kind, fmi, period)
     files = sources(module)
-    wanted = tuple(sorted(set(platforms))) if platforms is not None else None
+    wanted = None if platforms is None else _named(platforms)
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
     here = (host.system(), host.machine())
-    key = _key(files, kind, fmi, period, here if wanted is None else wanted)
+    key = _key(files, kind, fmi, period, clock, here if wanted is None else wanted)
     place = cache_folder() / "fmus" / f"{module_name(module)}-{kind}{fmi}{rate}-{key}"
     fmu = _kept(place)
     if fmu is None:
         from fmus.package import native_contents, python_contents, subject_of
 
         chosen = _platforms(kind, wanted)
-        subject = subject_of(module, period)
+        subject = subject_of(module, period, clock)
         cache = cache_folder() / "libraries"
         if kind == "native":
             contents = native_contents(subject, fmi, chosen, cache)
@@ -124,6 +128,12 @@ def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
         raise BuildError("Python FMUs are FMI 2 only: ask for that or for a native one")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
+
+
+def _named(platforms: Sequence[str]) -> tuple[str, ...]:
+    from fmus.compile import platforms_named
+
+    return tuple(sorted({ours for name in platforms for ours in platforms_named(name)}))
 
 
 def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]:
