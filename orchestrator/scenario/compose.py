@@ -12,16 +12,18 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
+from fmus.trust import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
     did_you_mean,
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
-from orchestrator.scenario.locate import component_of, digest, locate
+from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import (
     DesignSpec,
@@ -55,7 +57,7 @@ class Composition:
     ``sources`` says what each FMU was made of: a module, a model file or an
     ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
     user has to know of it, ``not_taken_over`` the scenario's values that a swapped
-    component left.
+    component left, ``undriven`` the inputs that no connection drives.
     """
 
     scenario: Scenario
@@ -66,6 +68,7 @@ class Composition:
     designs: Mapping[str, DesignResult]
     _values: tuple[Values, Values]
     not_taken_over: tuple[NotTakenOver, ...] = ()
+    undriven: tuple[Undriven, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Quantity:
@@ -142,7 +145,15 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     both = actual, nominal
     return Composition(
-        scenario, system, fmus, sources, digests, designs, both, tuple(left)
+        scenario,
+        system,
+        fmus,
+        sources,
+        digests,
+        designs,
+        both,
+        tuple(left),
+        undriven(system, fmus),
     )
 
 
