@@ -6,22 +6,21 @@ FMU's own definitions.
 """
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import isfinite
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.fmu.declared import Declared, declared, refuse_ambiguous, units
 from orchestrator.system import Kind
 from orchestrator.unit import Unit, unit_of_fmu
 
-Sort = Literal["real", "integer", "boolean", "string"]
+Sort = Literal["real", "integer", "boolean", "string", "binary"]
 Dtype = Literal["float64", "int64", "uint64"]
 
 _TYPES = {
@@ -35,6 +34,7 @@ _SORTS: dict[str, Sort] = {
     "Float32": "real",
     "Boolean": "boolean",
     "String": "string",
+    "Binary": "binary",
 }
 _WORDS: dict[str, Dtype] = {
     "Int64": "int64",
@@ -48,7 +48,8 @@ class FmuVariable:
     """One variable; ``references`` has one entry per FMI 2 scalar or FMI 3 array.
 
     ``size`` counts its numbers; ``unit`` is the FMU's own, ``base_unit`` its
-    definition as written (None where the FMU gives none).
+    definition as written (None where the FMU gives none).  ``declared`` is what it or
+    its type says besides.
     """
 
     name: str
@@ -64,11 +65,22 @@ class FmuVariable:
     min: str | None
     max: str | None
     description: str
+    declared: Declared
     dtype: Dtype = "float64"  # by which its numbers lie in the master's vector
 
     @property
     def sort(self) -> Sort:
         return _SORTS.get(self.fmi_type, "integer")
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its values are no numbers: they are set, but never travel."""
+        return self.sort in ("string", "binary")
+
+    @property
+    def kind(self) -> str:
+        """What it is in words, for messages."""
+        return f"{'an' if self.fmi_type[0] in 'EIU' else 'a'} {self.fmi_type}"
 
     @property
     def size(self) -> int:
@@ -98,6 +110,7 @@ class FmuDescription:
     tool: str
     description: str
     variables: Mapping[str, FmuVariable]
+    clocks: frozenset[str]
     units: Mapping[str, BaseUnit]
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
@@ -169,6 +182,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     try:
         root = etree.fromstring(text)
         refuse_other_fmi(path, root)
+        refuse_ambiguous(path, root)
         md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
     except FmuError:
         raise
@@ -188,10 +202,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
-    units = dict(_units(md.unitDefinitions))
-    relative = _relative(root)
-    for v in md.modelVariables:
-        v.relativeQuantity = relative.get(v.name)
+    defined, said = dict(units(md.unitDefinitions)), declared(root)
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -201,11 +212,12 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, units, major)
+            v.name: _variable(v, defined, said[v.name], major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
-        units=units,
+        clocks=frozenset(v.name for v in md.modelVariables if v.type == "Clock"),
+        units=defined,
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
@@ -262,40 +274,17 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
-    """Yield every unit that is defined; a factor of zero defines nothing."""
-    for unit in definitions:
-        written = unit.baseUnit
-        if written is None:
-            continue
-        factor, offset = float(written.factor), float(written.offset)
-        if factor and isfinite(factor) and isfinite(offset):
-            exponents = {name: int(getattr(written, name) or 0) for name in BASE}
-            yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
-
-
-def _relative(root: Any) -> dict[str, bool]:
-    """Return what variables say of relativeQuantity (fmpy 0.3.32 never finds it)."""
-    found = {}
-    for variable in root.iterfind("ModelVariables/*"):
-        for element in (variable, *variable.iterchildren("Real")):
-            if written := element.get("relativeQuantity"):
-                found[variable.get("name")] = written in ("true", "1")
-    return found
-
-
 def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
     return units.get(name or "") or (BaseUnit() if name == "1" else None)
 
 
-def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
+def _variable(
+    v: Any, defined: Mapping[str, BaseUnit], said: Declared, major: int
+) -> FmuVariable:
     type_ = v.declaredType
     name: str | None = v.unit or (type_.unit if type_ is not None else None)
-    base = _definition(name, units)
-    relative = v.relativeQuantity
-    if relative is None and type_ is not None:
-        relative = type_.relativeQuantity
-    unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
+    base = _definition(name, defined)
+    unit = unit_of_fmu(name, base, relative=said.relative) if name else None
     return FmuVariable(
         name=v.name,
         fmi_type=v.type,
@@ -307,9 +296,10 @@ def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
         unit=unit,
         base_unit=base,
         start=v.start,
-        min=v.min,
-        max=v.max,
+        min=said.min,
+        max=said.max,
         description=v.description or "",
+        declared=said,
         dtype=_WORDS.get(v.type, "float64") if major == 3 else "float64",
     )
 

@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.structure import is_structural
+from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
 from orchestrator.instances.logs import (
@@ -30,6 +32,7 @@ from orchestrator.instances.logs import (
     callbacks,
     log_errors_only,
 )
+from orchestrator.instances.texts import Texts
 from orchestrator.native import library as c
 
 
@@ -56,8 +59,8 @@ class Instance(Protocol):
     def ended(self) -> Ended: ...
     def failed_step(self, h: float, status: int) -> SimulationError: ...
     def instantiate(self) -> None: ...
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None: ...
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]: ...
     def set_up(
         self, start: float, stop: float | None, tolerance: float | None
     ) -> None: ...
@@ -178,20 +181,30 @@ class LocalInstance:
             f"t = {self.time:.9g} s {reason}. The FMU {told}"
         )
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
-        position = 0
-        for variable in variables:
-            part = values[position : position + variable.size]
-            position += variable.size
-            with self._named(f"set {variable.name}"):
-                Group(self, [variable]).set(part)
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
+        """Set variables; the structural parameters first, in configuration mode."""
+        given = iter(values)
+        parts = [(v, [next(given) for _ in range(v.size)]) for v in variables]
+        structural = [part for part in parts if is_structural(part[0])]
+        if structural:
+            with self._named("configure"):
+                self._fmu.enterConfigurationMode()
+            self._set(structural)
+            with self._named("leave configuration mode"):
+                self._fmu.exitConfigurationMode()
+        self._set([part for part in parts if not is_structural(part[0])])
 
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
-        values: list[float] = []
+    def _set(self, parts: Sequence[tuple[FmuVariable, list[Any]]]) -> None:
+        for variable, values in parts:
+            with self._named(f"set {variable.name}"):
+                (Texts if variable.is_text else Group)(self, [variable]).set(values)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
+        found: list[Held] = []
         for variable in variables:
             with self._named(f"get {variable.name}"):
-                values.extend(Group(self, [variable]).get())
-        return values
+                found += (Texts if variable.is_text else Group)(self, [variable]).get()
+        return found
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
         """Hand over the experiment; FMI 3.0 takes it with its initialisation."""
