@@ -125,6 +125,7 @@ class FmuDescription:
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
+    default_start: float | None
     log_categories: tuple[str, ...]
 
     def __getitem__(self, name: str) -> FmuVariable:
@@ -149,12 +150,19 @@ class FmuDescription:
         return tuple(n for n, v in self.variables.items() if v.causality == "output")
 
     def feeds_through(self, name: str) -> bool:
-        """Tell whether some output depends directly on this input while stepping."""
+        """Tell whether some output depends directly on this input while stepping.
+
+        Dependencies on parameters are not declared: they count as there.
+        """
+        if self.variables[name].causality != "input":
+            return True
         declared = [self.dependencies.get(output) for output in self.outputs]
         return any(d is None or name in d for d in declared)
 
     def feeds_through_initially(self, name: str) -> bool:
         """Tell the same of initialisation; unlisted outputs depend on everything."""
+        if self.variables[name].causality != "input":
+            return True
         declared = [self.initial_dependencies.get(output) for output in self.outputs]
         return any(d is None or name in d for d in declared)
 
@@ -233,6 +241,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        default_start=_number(getattr(md.defaultExperiment, "startTime", None)),
         log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
     )
 
@@ -274,16 +283,12 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
-    return units.get(name or "") or (BaseUnit() if name == "1" else None)
-
-
 def _variable(
     v: Any, defined: Mapping[str, BaseUnit], said: Declared, major: int
 ) -> FmuVariable:
     type_ = v.declaredType
     name: str | None = v.unit or (type_.unit if type_ is not None else None)
-    base = _definition(name, defined)
+    base = defined.get(name or "") or (BaseUnit() if name == "1" else None)
     unit = unit_of_fmu(name, base, relative=said.relative) if name else None
     return FmuVariable(
         name=v.name,

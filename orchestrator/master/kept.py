@@ -13,7 +13,7 @@ from typing import TypeAlias
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.typed import Held
-from orchestrator.instances.instance import Instance
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.layout import Part
 from orchestrator.warned import warn
 

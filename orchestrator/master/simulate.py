@@ -28,9 +28,9 @@ from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
 from orchestrator.instances.ending import Ended
-from orchestrator.instances.instance import Instance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
