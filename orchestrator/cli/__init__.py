@@ -7,7 +7,7 @@ failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator.cli import check, fmus, run, runs, second_opinion, study
+from orchestrator.cli import check, design, fmus, run, runs, second_opinion, study
 
 app = typer.Typer(
     name="feeddrive",
@@ -28,6 +28,7 @@ for verb in (
     runs.runs,
     study.reproduce,
     second_opinion.second_opinion,
+    design.design,
 ):
     app.command()(verb)
 

@@ -14,7 +14,15 @@ from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.structure import is_structural
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import WHOLE, Ended, discarded
-from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
+from orchestrator.instances.group import (
+    DISCARD,
+    ERROR,
+    FATAL,
+    Group,
+    good,
+    groups,
+    told,
+)
 from orchestrator.instances.logs import (
     SPEAKERS,
     LogMessage,
@@ -52,7 +60,7 @@ class LocalInstance:
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
-                self._fmu = self._load(folder)
+                self._fmu = _strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise
@@ -106,7 +114,7 @@ class LocalInstance:
         """Keep what the FMU logs, and pass it on."""
         if self._quiet and status == 0:
             return  # from an FMU that logs all the same
-        label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+        label = told(status)
         name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
         message = LogMessage(label, name, said, self.time)
         self._messages = [*self._messages[-9:], message]
@@ -242,9 +250,9 @@ class LocalInstance:
             self.outcome.ended = self._ended.value
             self.outcome.early = self._early.value
         whole = self.outcome.reached >= t + h * (1 - WHOLE)
-        if status <= WARNING and self.outcome.ended and whole:
+        if good(status) and self.outcome.ended and whole:
             self.outcome.last = 1
-        elif status > WARNING or self.outcome.ended or self.outcome.early:
+        elif not good(status) or self.outcome.ended or self.outcome.early:
             raise self.failed_step(h, status)
 
     def failed_step(self, h: float, status: int) -> SimulationError:
@@ -252,11 +260,11 @@ class LocalInstance:
         self.refused(status)
         if ended := self._ended_by(h, status):
             return ended
-        return self.fail(f"doStep of {h:.9g} s", f"returned {STATUS[status]}")
+        return self.fail(f"doStep of {h:.9g} s", f"returned {told(status)}")
 
     def _ended_by(self, h: float, status: int) -> Ended | None:
         """Return how the FMU ended the run by a step with this status, if it did."""
-        if status <= WARNING:
+        if good(status):
             return self.ended()
         if status != DISCARD:
             return None
@@ -271,7 +279,8 @@ class LocalInstance:
 
     def refused(self, status: int) -> None:
         """Remember the worst status of a call; it decides what ``close`` may call."""
-        self._worst = max(self._worst, status)
+        known = 0 <= status <= FATAL
+        self._worst = max(self._worst, status if known else ERROR)
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
@@ -286,6 +295,22 @@ class LocalInstance:
             if self._worst != FATAL:  # then no call is allowed any more
                 self._fmu.freeInstance()
         self.slave = None
+
+
+def _strict(fmu: Any) -> Any:
+    """Let fmpy refuse negative statuses, which it takes for success."""
+    from fmpy.fmi1 import FMICallException
+
+    call = fmu._call
+
+    def checked(function: str, *arguments: Any) -> Any:
+        result = call(function, *arguments)
+        if fmu._functions[function].restype is ctypes.c_int and result < 0:
+            raise FMICallException(function=function, status=result)
+        return result
+
+    fmu._call = checked
+    return fmu
 
 
 class _Named:
