@@ -76,6 +76,12 @@ def run(
     sets: Sets = [],  # noqa: B006 - Typer copies it
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
+    map_out: Annotated[
+        Path | None,
+        typer.Option(
+            "--map-out", help="write the map that is proposed for a swap, run nothing"
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -98,8 +104,10 @@ def run(
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
+    original = None
+    if swap:
+        original = load_original(scenario, sets, swap, map, fmi, map_out)
     loaded = load(scenario, sets, swap, map, fmi)
-    original = load_original(scenario, sets, swap, map, fmi) if swap else None
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Run] = {}
 
@@ -154,6 +162,8 @@ def schedule(
 
 def print_plan(plan: "Plan") -> None:
     """Print the turns of the components and what happens to every signal."""
+    from orchestrator.master.undriven import in_words
+
     typer.echo(
         f"{plan.name}: {plan.stop} s in instants of {plan.tick} s, pattern repeats "
         f"every {plan.hyperperiod} s"
@@ -186,6 +196,10 @@ def print_plan(plan: "Plan") -> None:
     )
     for note in plan.notes:
         typer.echo(f"note: {note}")
+    for warning in plan.warnings:
+        typer.echo(f"warning: {warning}")
+    if held := in_words(plan.undriven):
+        typer.echo(held)
 
 
 def _us(seconds: Fraction) -> str:
@@ -203,6 +217,8 @@ def _exact(value: Any) -> Any:
 
 def print_run(done: "Run") -> None:
     """Print the figures of a run, its checks, its speed and its folder."""
+    from orchestrator.master.undriven import in_words
+
     checks = {check.figure: check for check in done.checks}
     rows = []
     for name, figure in done.metrics.items():
@@ -227,6 +243,8 @@ def print_run(done: "Run") -> None:
         )
     if done.timing is not None and done.timing.profile is not None:
         print_profile(done.timing.profile)
+    if held := in_words(done.composition.undriven):
+        typer.echo(held)
     typer.echo(f"written to {done.folder}: report.html, metrics.json, result/")
 
 

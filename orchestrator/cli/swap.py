@@ -28,12 +28,18 @@ OF_BOTH = ("step", "offset", "latency")
 
 
 def load_original(
-    name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
+    name: str,
+    sets: list[str],
+    swaps: list[str],
+    maps: list[str],
+    fmi: int | None,
+    map_out: Path | None = None,
 ) -> "Scenario":
     """Return the scenario without the swaps, with all else that is set on it.
 
     What is set on a swapped component holds for the original too, so that the two
     differ by the swap alone; what the original has not is left out, and named.
+    ``map_out`` takes the map that is proposed, and nothing more is done.
 
     Raises:
         ScenarioError: a foreign FMU has other names and there is no map; the
@@ -48,7 +54,7 @@ def load_original(
     original = load(name, elsewhere, [], [], fmi)
     with naming(original), waiting("comparing names"):
         composition = compose(original, run_earlier)
-        _refuse_other_names(composition, tables)
+        _refuse_other_names(composition, tables, map_out)
     kept = [text for text in sets if text in elsewhere or _shared(text, composition)]
     for text in sets:
         if text not in kept:
@@ -68,32 +74,50 @@ def _shared(text: str, original: "Composition") -> bool:
 
 
 def _refuse_other_names(
-    original: "Composition", swaps: Mapping[str, Mapping[str, Any]]
+    original: "Composition",
+    swaps: Mapping[str, Mapping[str, Any]],
+    map_out: Path | None,
 ) -> None:
     from fmus.build import build
     from orchestrator.errors import ScenarioError
     from orchestrator.fmu.description import read_fmu
-    from orchestrator.scenario.propose import (
-        missing_names,
-        propose,
-        to_toml,
-        used_names,
-    )
+    from orchestrator.scenario.propose import proposal
 
     for component, swap in swaps.items():
         if "map" in swap:
             continue
         written = str(swap["fmu"])
         theirs = read_fmu(written if written.endswith(".fmu") else build(written))
-        names = used_names(original.system, component)
-        if not (missing := missing_names(names, theirs)):
-            continue
-        found = to_toml(propose(missing, original.fmus[component], theirs))
+        ours = original.fmus[component]
+        missing, found = proposal(original.system, component, ours, theirs)
+        if map_out is not None:
+            _write(map_out, found)
+            typer.echo(found)
+            typer.echo(
+                f"proposed and not applied: check every line, above all gains and "
+                f"signs, and run again with --map {map_out}"
+            )
+            raise typer.Exit(0)
+        if missing:
+            raise ScenarioError(
+                f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
+                f"A map is proposed below and was not applied: check every line and "
+                f"the signs, save it as map.toml (--map-out map.toml does) and add "
+                f"--map map.toml\n\n{found}"
+            )
+
+
+def _write(file: Path, text: str) -> None:
+    """Write a proposal, but never over a map that somebody may have edited."""
+    from orchestrator.errors import ScenarioError
+
+    try:
+        with file.open("x", encoding="utf-8") as new:
+            new.write(text)
+    except FileExistsError:
         raise ScenarioError(
-            f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
-            f"A map is proposed below and was not applied: check every line and the "
-            f"signs, save it as map.toml and add --map map.toml\n\n{found}"
-        )
+            f"--map-out {file}: there is such a file; name another"
+        ) from None
 
 
 def compare(

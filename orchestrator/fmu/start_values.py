@@ -13,7 +13,6 @@ from orchestrator.fmu.typed import Held, held
 from orchestrator.system import Component
 
 Written: TypeAlias = tuple[FmuVariable, tuple[Held, ...]]
-_MISSING = object()
 
 
 def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ...]:
@@ -25,7 +24,7 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
         WiringError: no such variable, one that cannot be set, not as many values as
             it has, or one that is none of its type (``typed.py``).
     """
-    whole: dict[str, tuple[FmuVariable, list[object]]] = {}
+    whole: dict[str, tuple[FmuVariable, list[Held | None]]] = {}
     for name, value in component.values.items():
         section = "start" if name in component.start else "parameters"
         where = f"components.{component.name}.{section}.{name}"
@@ -41,7 +40,8 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
             )
         for port, one in zip(found, given, strict=True):
             v = port.variable
-            _, values = whole.setdefault(v.name, (v, _declared(v)))
+            known = declared(v) or [None] * v.size
+            _, values = whole.setdefault(v.name, (v, known))
             values[port.element] = held(where, port, one, fmu.fmi_major)
     return tuple(_complete(component.name, *written) for written in whole.values())
 
@@ -57,30 +57,33 @@ def _refuse_what_cannot_be_set(where: str, found: Sequence[Port]) -> None:
             )
 
 
-def _complete(component: str, variable: FmuVariable, values: list[object]) -> Written:
+def _complete(
+    component: str, variable: FmuVariable, values: list[Held | None]
+) -> Written:
     """Return all values of a variable, of which some may be the FMU's own.
 
     Raises:
         WiringError: some are neither given nor known.
     """
-    if _MISSING in values:
+    known = tuple(value for value in values if value is not None)
+    if len(known) < len(values):
         raise WiringError(
             f"components.{component}: {variable.name} has {variable.size} values, and "
             f"its FMU does not say those that are not given; give all of them"
         )
-    return variable, tuple(values)  # type: ignore[arg-type]
+    return variable, known
 
 
-def _declared(variable: FmuVariable) -> list[object]:
-    """Return a variable's start values as the FMU declares them, for what is not given.
+def declared(variable: FmuVariable) -> list[Held | None]:
+    """Return a variable's start values as its FMU declares them, none if it does not.
 
-    FMI 3.0: one value stands for all of an array.
+    One value stands for all of an array (FMI 3.0).
     """
     words = variable.declared.starts
     if len(words) == 1:
         words *= variable.size
     if len(words) != variable.size:
-        return [_MISSING] * variable.size
+        return []
     return [declared_value(variable, word) for word in words]
 
 

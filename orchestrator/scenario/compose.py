@@ -19,6 +19,7 @@ from orchestrator.errors import (
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
+from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
@@ -56,7 +57,7 @@ class Composition:
     ``sources`` says what each FMU was made of: a module, a model file or an
     ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
     user has to know of it, ``not_taken_over`` the scenario's values that a swapped
-    component left.
+    component left, ``undriven`` the inputs that no connection drives.
     """
 
     scenario: Scenario
@@ -67,6 +68,7 @@ class Composition:
     designs: Mapping[str, DesignResult]
     _values: tuple[Values, Values]
     not_taken_over: tuple[NotTakenOver, ...] = ()
+    undriven: tuple[Undriven, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Quantity:
@@ -154,7 +156,15 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     both = actual, nominal
     return Composition(
-        scenario, system, fmus, sources, digests, designs, both, tuple(left)
+        scenario,
+        system,
+        fmus,
+        sources,
+        digests,
+        designs,
+        both,
+        tuple(left),
+        undriven(system, fmus),
     )
 
 

@@ -1,21 +1,25 @@
 """A map proposed for a foreign FMU whose names differ: never applied by itself.
 
-Our names that a composition uses are matched with the foreign variables of the
-same causality and type so that unit, description, range and name agree best in
-sum (an assignment problem); what is doubtful is said in the line's comment.
+Our names that a composition uses, our other inputs and our parameters are matched
+with the foreign variables of the same causality and type so that unit, description,
+range and name agree best in sum (an assignment problem).  Signs, and gains that
+units do not give, are those that a pulse on both FMUs measured; what is doubtful is
+said in the line's comment.
 """
 
 import json
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
 import numpy as np
 
-from fmus.units import UnitError, conversion
+from fmus.units import UnitError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.scenario.pulse import Measured, Subject, measure, signs
 from orchestrator.system import System, split_name
+from orchestrator.unit import conversion
 
 LEAST = 1.0  # points below which two variables have nothing in common
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
@@ -25,12 +29,15 @@ BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 class Proposed:
     """One of our names and the foreign variable it may be; None if there is none.
 
-    ``doubts`` say what has to be looked at before the line is used.
+    ``doubts`` say what has to be looked at before the line is used; ``gain`` and
+    ``measured`` come of a pulse on both FMUs.
     """
 
     ours: FmuVariable
     theirs: FmuVariable | None
     doubts: tuple[str, ...] = ()
+    gain: float | None = None
+    measured: tuple[str, ...] = ()
 
     def to_toml(self) -> str:
         """Return the line of a map, with what speaks for and against it."""
@@ -39,11 +46,14 @@ class Proposed:
             return f"# {ours.name}: nothing fits ({_about(ours)})"
         key = ours.name if BARE_KEY.fullmatch(ours.name) else json.dumps(ours.name)
         name = json.dumps(self.theirs.name)
-        value = name
+        gain = 1.0 if self.gain is None else self.gain
+        value = name if gain == 1 else f"{{ name = {name}, gain = {gain:.9g} }}"
         if _gain(ours, self.theirs) is None and ours.unit:
-            value = f"{{ name = {name}, gain = 1.0, unit = {json.dumps(ours.unit)} }}"
-        doubts = "".join(f"; CHECK: {doubt}" for doubt in self.doubts)
-        return f"{key} = {value}  # {_about(ours)} = {_about(self.theirs)}{doubts}"
+            unit = json.dumps(ours.unit)
+            value = f"{{ name = {name}, gain = {gain:.9g}, unit = {unit} }}"
+        told = "".join(f"; measured: {text}" for text in self.measured)
+        told += "".join(f"; CHECK: {doubt}" for doubt in self.doubts)
+        return f"{key} = {value}  # {_about(ours)} = {_about(self.theirs)}{told}"
 
 
 def used_names(system: System, component: str) -> list[str]:
@@ -62,6 +72,26 @@ def missing_names(names: Sequence[str], theirs: FmuDescription) -> list[str]:
 def _prefixes(name: str) -> list[str]:
     ends = [m.start() for m in re.finditer(r"[.\[]", name)]
     return [name, *(name[:end] for end in ends)]
+
+
+def names_to_map(
+    system: System, component: str, ours: FmuDescription, theirs: FmuDescription
+) -> tuple[list[str], list[str]]:
+    """Return the names that another FMU lacks: those in use, and those that may help.
+
+    In use is what is connected, recorded or set; of help are our other inputs and
+    our parameters.
+    """
+    part = system.components[component]
+    used = [*used_names(system, component), *part.parameters, *part.start]
+    wanted = missing_names(list(dict.fromkeys(used)), theirs)
+    others = [n for n in ours.inputs if n not in wanted]
+    others += [
+        n
+        for n, v in ours.variables.items()
+        if v.causality == "parameter" and v.size == 1 and n not in wanted
+    ]
+    return wanted, missing_names(others, theirs)
 
 
 def propose(
@@ -92,9 +122,84 @@ def propose(
     return found
 
 
-def to_toml(proposed: Sequence[Proposed]) -> str:
-    """Return the proposal as the text of a map file."""
-    return "\n".join(line.to_toml() for line in proposed) + "\n"
+def proposal(
+    original: System, component: str, ours: FmuDescription, theirs: FmuDescription
+) -> tuple[list[str], str]:
+    """Return the names in use that another FMU lacks, and the map that is proposed.
+
+    Both FMUs are run alone for as long as a pulse takes.
+    """
+    wanted, others = names_to_map(original, component, ours, theirs)
+    found = propose([*wanted, *others], ours, theirs)
+    part = original.components[component]
+    pairs = [(p.ours, p.theirs) for p in found if p.theirs and p.ours.size == 1]
+    inputs = [
+        (mine, other, 1 / (_gain(mine, other) or 1.0))
+        for mine, other in pairs
+        if mine.causality == "input" and mine.sort == "real"
+    ]
+    outputs = [
+        (mine, other)
+        for mine, other in pairs
+        if mine.causality == "output" and mine.sort == "real"
+    ]
+    subjects = (
+        Subject(ours, part.period, {**part.parameters, **part.start}),
+        Subject(theirs, part.period, {}),
+    )
+    found = with_measured(found, measure(*subjects, inputs, outputs))
+    told = [p for p in found if p.theirs or p.ours.name in wanted]
+    return wanted, to_toml(told, theirs)
+
+
+def with_measured(
+    proposed: Sequence[Proposed], measured: Sequence[Measured]
+) -> list[Proposed]:
+    """Return the proposal with the signs and ratios that a pulse has measured."""
+    sign = signs(measured)
+    return [_with_measured(line, measured, sign) for line in proposed]
+
+
+def _with_measured(
+    line: Proposed, measured: Sequence[Measured], sign: Mapping[str, float]
+) -> Proposed:
+    name = line.ours.name
+    answers = [one for one in measured if name in (one.input, one.output)]
+    if line.theirs is None or not answers:
+        return line
+    if name not in sign:
+        doubt = "its answers to pulses contradict one another in sign"
+        return replace(line, doubts=(*line.doubts, doubt))
+    if line.ours.causality == "input":
+        told = "reversed" if sign[name] < 0 else "the same sense"
+        return replace(line, gain=sign[name], measured=(told,))
+    best = max(answers, key=lambda one: one.likeness)
+    gain, doubts = sign[name], list(line.doubts)
+    units = f"{line.theirs.unit or 1} for {line.ours.unit or 1}"
+    if _gain(line.ours, line.theirs) is None:
+        gain /= abs(best.ratio)
+        doubts = [doubt for doubt in doubts if doubt != _unset(line.ours, line.theirs)]
+    if not best.is_exact:
+        doubts.append(f"the answers are alike to {100 * best.likeness:.3g} % only")
+    moves = ", ".join(f"{one.input} {one.ratio:+.5g}" for one in answers)
+    return replace(
+        line, gain=gain, doubts=tuple(doubts), measured=(f"{units} by {moves}",)
+    )
+
+
+def to_toml(proposed: Sequence[Proposed], theirs: FmuDescription | None = None) -> str:
+    """Return the proposal as the text of a map file.
+
+    With the foreign FMU also its inputs that are none of ours, to be given a value.
+    """
+    lines = [line.to_toml() for line in proposed]
+    taken = {line.theirs.name for line in proposed if line.theirs}
+    for v in theirs.variables.values() if theirs else ():
+        if v.causality == "input" and v.name not in taken and v.sort != "string":
+            key = v.name if BARE_KEY.fullmatch(v.name) else json.dumps(v.name)
+            entry = f"{{ name = {json.dumps(v.name)}, value = {v.start or 0} }}"
+            lines.append(f"# {key} = {entry}  # nothing drives {_about(v)}")
+    return "\n".join(lines) + "\n"
 
 
 def _members(fmu: FmuDescription, name: str) -> list[FmuVariable]:
@@ -112,21 +217,35 @@ def _points(ours: FmuVariable, theirs: FmuVariable) -> float:
     if inputs[0] != inputs[1] or ours.sort != theirs.sort or ours.size != theirs.size:
         return 0.0
     points = 6.0 if ours.causality == theirs.causality else 0.0  # before all else
+    parameter = "parameter" in (ours.causality, theirs.causality)
+    if parameter and not _may_be_one(ours, theirs):
+        return 0.0
     if ours.base_unit is None or theirs.base_unit is None:
         points += 0.5
     elif _gain(ours, theirs) is not None:
         points += 3.0
+    elif ours.base_unit.s == theirs.base_unit.s:  # a position, not a speed
+        points += 1.0
     points += 2.0 * _common(ours.description, theirs.description)
     points += SequenceMatcher(None, ours.name.lower(), theirs.name.lower()).ratio()
     return points + (1.0 if _same_range(ours, theirs) else 0.0)
 
 
+def _may_be_one(ours: FmuVariable, theirs: FmuVariable) -> bool:
+    """Tell whether two parameters have more in common than being parameters."""
+    units = _gain(ours, theirs) is not None or (ours.unit, theirs.unit) == (None, None)
+    alike = SequenceMatcher(None, ours.name.lower(), theirs.name.lower()).ratio()
+    described = _common(ours.description, theirs.description)
+    both = ours.causality == theirs.causality
+    return both and units and max(alike, described) > 0.3
+
+
 def _gain(ours: FmuVariable, theirs: FmuVariable) -> float | None:
     """Return how many of our unit one of theirs is; None if that is unknown."""
-    if ours.base_unit is None or theirs.base_unit is None:
+    if ours.unit is None or theirs.unit is None:
         return None
     try:
-        return conversion(theirs.base_unit, ours.base_unit).gain
+        return conversion(theirs.unit, ours.unit).gain
     except UnitError:
         return None
 
@@ -151,10 +270,14 @@ def _doubts(ours: FmuVariable, theirs: FmuVariable, near: Sequence[str]) -> list
     if theirs.unit is None and ours.unit not in (None, "1"):
         doubts.append(f"it has no unit; is it in {ours.unit}?")
     elif _gain(ours, theirs) is None:
-        doubts.append(f"set the gain from {theirs.unit} to {ours.unit} and the sign")
+        doubts.append(_unset(ours, theirs))
     if near:
         doubts.append(f"or {', '.join(near[:3])}?")
     return doubts
+
+
+def _unset(ours: FmuVariable, theirs: FmuVariable) -> str:
+    return f"set the gain from {theirs.unit} to {ours.unit} and the sign"
 
 
 def _about(variable: FmuVariable) -> str:

@@ -69,7 +69,8 @@ def test_a_swap_without_a_map_proposes_and_does_nothing(
     )
     assert result.exit_code == 2
     assert "was not applied" in result.output
-    assert 'u = "motor_voltage"' in result.output
+    assert 'u = { name = "motor_voltage", gain = -1 }' in result.output
+    assert "measured: mm for rad by u -3.1831" in result.output
     assert not folder.exists()
 
 
