@@ -9,7 +9,7 @@ said in the line's comment.
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
@@ -95,13 +95,17 @@ def names_to_map(
 
 
 def propose(
-    names: Sequence[str], ours: FmuDescription, theirs: FmuDescription
+    names: Sequence[str],
+    ours: FmuDescription,
+    theirs: FmuDescription,
+    taken: Collection[str] = (),
 ) -> list[Proposed]:
-    """Match our variables of these names with those of another FMU."""
+    """Match our variables of these names with those of another FMU that are free."""
     from scipy.optimize import linear_sum_assignment
 
     wanted = [v for name in names for v in _members(ours, name)]
-    offered = [v for v in theirs.variables.values() if v.variability != "constant"]
+    free = (v for v in theirs.variables.values() if v.name not in taken)
+    offered = [v for v in free if v.variability != "constant"]
     points = np.zeros((len(wanted), len(offered)))
     for i, mine in enumerate(wanted):
         for j, other in enumerate(offered):
@@ -130,7 +134,9 @@ def proposal(
     Both FMUs are run alone for as long as a pulse takes.
     """
     wanted, others = names_to_map(original, component, ours, theirs)
-    found = propose([*wanted, *others], ours, theirs)
+    found = propose(wanted, ours, theirs)
+    taken = {line.theirs.name for line in found if line.theirs}
+    found += propose(others, ours, theirs, taken)
     part = original.components[component]
     pairs = [(p.ours, p.theirs) for p in found if p.theirs and p.ours.size == 1]
     inputs = [
