@@ -84,6 +84,10 @@ def build(
     period: Annotated[
         str | None, typer.Option(help='sample time of sampled models, e.g. "1/10000"')
     ] = None,
+    clock: Annotated[
+        bool,
+        typer.Option("--clock/--no-clock", help="input clock of sampled models, FMI 3"),
+    ] = True,
     platform: Annotated[
         list[str] | None,
         typer.Option(help="all, or a platform (repeatable) [that of this machine]"),
@@ -104,7 +108,8 @@ def build(
         folder = output / f"fmi{version}" if len(versions) > 1 else output
         for name in names:
             with waiting(f"building {name} as FMI {version}"):
-                built.append(_build(name, folder, kind, version, period, chosen, all_))
+                one = _build(name, folder, kind, version, period, chosen, all_, clock)
+                built.append(one)
     if json:
         print_json({"fmus": built})
         return
@@ -129,6 +134,7 @@ def _build(
     period: str | None,
     platforms: list[str] | None,
     skip_continuous: bool,
+    clock: bool,
 ) -> dict[str, Any]:
     """Build one FMU; a period for all models is not meant for continuous ones."""
     import fmus.build
@@ -154,6 +160,7 @@ def _build(
                 kind=kind,
                 fmi=fmi,
                 period=exact,
+                clock=clock,
                 platforms=platforms,
                 folder=folder,
             )

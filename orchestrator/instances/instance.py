@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.trust import is_trusted
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.structure import is_structural
@@ -185,7 +186,7 @@ class LocalInstance:
 
     def quiet(self) -> None:
         """Let the FMU log errors alone; ours log nothing else anyway."""
-        if self.description.is_ours:
+        if self.description.says_it_is_ours:
             return
         self._quiet = True
         categories = self.description.log_categories
@@ -289,7 +290,9 @@ class LocalInstance:
         with suppress(Exception):
             if self._initialized and self._worst <= DISCARD:
                 self._fmu.terminate()
-        if not self.description.is_ours:  # a thread it left may still run its code
+        if not is_trusted(
+            self.description.path
+        ):  # a thread it left may still run its code
             self._fmu.freeLibrary = lambda: None
         with suppress(Exception):
             if self._worst != FATAL:  # then no call is allowed any more

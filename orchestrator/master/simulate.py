@@ -1,8 +1,8 @@
 """One run of a system: the order in which everything is opened and closed.
 
 1. read and check all FMUs, wire, order, schedule: nothing has run yet;
-2. unpack and load each FMU (those that are not ours, or need Python or another
-   tool, in a process of their own), initialise together;
+2. unpack and load each FMU (those that were not built here, or need Python or
+   another tool, in a process of their own), initialise together;
 3. execute the timetable, recording: natively where all FMUs run in this process
    and a compiler is there, else in Python, with the same bits;
 4. whatever happens: end the streams, terminate and free the instances, delete
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.compile import CompileError
+from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
@@ -187,7 +188,7 @@ def open_instance(
     """
     apart = isolation.process
     if apart is None:
-        apart = fmu.needs_execution_tool or not fmu.is_ours
+        apart = fmu.needs_execution_tool or not is_trusted(fmu.path)
     alone = shared is None or apart or fmu.once_per_process
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:

@@ -12,6 +12,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
+from fmus.trust import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
@@ -23,7 +24,7 @@ from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
-from orchestrator.scenario.locate import component_of, digest, locate
+from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import (
     DesignSpec,

@@ -1,6 +1,5 @@
 """A component's FMU: found, or built where it is a model of ours; and the component."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -66,12 +65,6 @@ def locate(
     except BuildError as error:
         raise BuildError(f"{where}.fmu: {error}") from None
     return Located(path, written, period)
-
-
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def component_of(
