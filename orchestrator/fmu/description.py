@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal
 
-from fmus.archive import EXTRA
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
 from orchestrator.fmu.declared import Declared, declared, refuse_ambiguous, units
+from orchestrator.fmu.own import kind_and_period
 from orchestrator.system import Kind
 from orchestrator.unit import Unit, unit_of_fmu
 
@@ -208,7 +208,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
                 f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
                 f"FMI {major}; ask its supplier for a valid modelDescription.xml"
             )
-    kind, period = _own(path, root)
+    kind, period = kind_and_period(path, root)
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
@@ -332,34 +332,6 @@ def _platforms(path: Path) -> tuple[str, ...]:
         if len(parts) > 2 and parts[0] == "binaries" and parts[2]:
             folders.add(parts[1])
     return tuple(sorted(folders))
-
-
-def _own(path: Path, root: Any) -> tuple[Kind | None, Fraction | None]:
-    """Return kind and exact period that our own FMUs carry, built today or before."""
-    from lxml import etree
-
-    place = EXTRA
-    try:
-        if any(member.filename == EXTRA for member in checked_members(path)):
-            return _told(etree.fromstring(read_member(path, EXTRA)))
-        place = "modelDescription.xml"
-        for note in root.iter("{*}Tool", "{*}Annotation"):
-            if "feeddrive" in (note.get("name"), note.get("type")):
-                for model in note.iter("{*}Model"):
-                    return _told(model)
-    except (etree.XMLSyntaxError, ValueError, ZeroDivisionError) as error:
-        raise FmuError(
-            f"{path}: kind and period in {place} cannot be understood ({error}); "
-            f"build the FMU again"
-        ) from None
-    return None, None
-
-
-def _told(model: Any) -> tuple[Kind, Fraction | None]:
-    kind, period = model.get("kind"), model.get("period")
-    if kind not in get_args(Kind):
-        raise ValueError(f"kind = {kind!r}")
-    return cast(Kind, kind), Fraction(period) if period else None
 
 
 def _number(text: Any) -> float | None:
