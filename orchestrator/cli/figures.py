@@ -152,7 +152,7 @@ def _print_single(figures: Iterable[Figure], agreement: float) -> None:
 def _print_notes(
     figures: Sequence[Figure], agreement: float, groups: Mapping[str, set[str]]
 ) -> None:
-    """Print each reason once, with the rows, columns, ways or figures it is given for."""
+    """Print each reason once, with the rows, columns or figures it is given for."""
     notes: dict[str, list[str]] = {}
     for figure in figures:
         if figure.why:
