@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from orchestrator.cli.completion import scenario_names
 from orchestrator.cli.output import (
     command,
     print_json,
@@ -41,7 +42,12 @@ class Executor(StrEnum):
 
 
 ScenarioName = Annotated[
-    str, typer.Argument(metavar="SCENARIO", help="<study>/<scenario>, or a .toml file")
+    str,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="<study>/<scenario>, or a .toml file",
+        autocompletion=scenario_names,
+    ),
 ]
 Sets = Annotated[
     list[str],
@@ -49,7 +55,8 @@ Sets = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="component.parameter, component.step, rates.name, stop, "
-        "design.step.argument ... (repeatable)",
+        "design.step.argument, metrics.name.key, record.signal, connections.input ... "
+        "(repeatable)",
     ),
 ]
 Swaps = Annotated[
