@@ -13,6 +13,7 @@ from uuid import UUID
 
 from lxml import etree
 
+from fmus.archive import EXTRA
 from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
 from fmus.closure import data_files, is_file, module_name
@@ -22,7 +23,7 @@ from fmus.compile import (
     compile_library,
     universal_binary,
 )
-from fmus.description import describe
+from fmus.description import describe, extra
 from fmus.documentation import index_html, license_text
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
@@ -42,7 +43,7 @@ from fmus.units import UnitError
 OWN_COPYRIGHT = "the feeddrive authors"
 
 
-def subject_of(module: str, period: Fraction | None) -> Subject:
+def subject_of(module: str, period: Fraction | None, clock: bool = True) -> Subject:
     """Load and trace a module's model; collect what its FMU will tell of it.
 
     Raises:
@@ -78,6 +79,7 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
             loaded, "__copyright__", f"© {OWN_COPYRIGHT}" if ours else None
         ),
         license=getattr(loaded, "__license__", "MIT" if ours else None),
+        clock=clock,
     )
 
 
@@ -92,11 +94,11 @@ def native_contents(
     model, traced, places = subject.model, subject.traced, subject.layout
     adapters = adapter_sources()
     parts = (model, traced, places, model.name)
-    untold = native_sources(*parts, "") | adapters
+    untold = native_sources(*parts, "", subject.clock) | adapters
     subject = replace(subject, sources=(ALL,))
     described = [_described(subject, version, "") for version in (2, 3)]
     token = _token(described, {n: text.encode() for n, text in untold.items()})
-    generated = native_sources(*parts, token)
+    generated = native_sources(*parts, token, subject.clock)
     contents = _common(subject, fmi, token)
     for name, text in (generated | adapters).items():
         contents[f"sources/{name}"] = text.encode()
@@ -162,6 +164,7 @@ def _common(subject: Subject, fmi: Fmi, token: str) -> dict[str, bytes]:
     license_file = "license.txt" if fmi == 2 else "licenses/license.txt"
     return {
         "modelDescription.xml": _described(subject, fmi, token),
+        EXTRA: extra(subject),
         "documentation/index.html": index_html(subject),
         f"documentation/{license_file}": license_text(),
     }

@@ -13,7 +13,7 @@ Constant parameters are baked in as numbers; their places in p are not read.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -190,14 +190,14 @@ def dependencies(function: ca.Function, result: str, argument: str) -> ca.Sparsi
     return function.jac_sparsity(names_out.index(result), names_in.index(argument))
 
 
-def c_code(model: Model, traced: Traced) -> str:
-    """Return C99 source of the model's equations, static data free.
+def c_code(model: Model, functions: Iterable[ca.Function]) -> str:
+    """Return C99 source of some of the model's functions, static data free.
 
     It includes ``elementary.h`` and calls its functions, which give the same
     bits on every machine.
     """
     generator = ca.CodeGenerator(f"{model.name}.c", {"with_header": False})
-    for function in traced.functions.values():
+    for function in functions:
         generator.add(function)
     code: str = generator.dump()
     theirs = rf"casadi_(?:fabs|{OWN})"  # for compilers before C99

@@ -63,27 +63,47 @@ class Timing:
         return 1e6 * self.wall_s / self.instants if self.instants else 0.0
 
 
+@dataclass(frozen=True)
+class End:
+    """Which component ended a run before its stop, at what time (s), and why."""
+
+    by: str
+    at: float
+    reason: str
+
+    def __str__(self) -> str:
+        return f"ended by {self.by} at t = {self.at:.9g} s: {self.reason}"
+
+
 class Result(Mapping[str, Signal]):
     """Recorded signals by name, read from the files of a run as they are asked for.
 
     ``result["plant.x_2"]`` is a ``Signal``, at its highest rate if there are several.
     ``folder`` holds the tables; ``timing`` is None when a result is opened again.
+    ``ended`` says how an FMU ended the run before its stop, if one did.
     """
 
     def __init__(
         self,
         folder: Path,
         timing: Timing | None = None,
+        ended: End | None = None,
         *,
         period: Fraction | None = None,
     ) -> None:
         self.folder = Path(folder)
         self.timing = timing
+        self.ended = ended
         self._columns = _columns(self.folder, period)
+
+    @property
+    def periods(self) -> list[Fraction]:
+        """Return the row periods there are (s), the shortest first."""
+        return sorted({_period(file) for file in _files(self.folder / "result")})
 
     def at(self, period: Fraction) -> "Result":
         """Return what was recorded with that row period (s) alone."""
-        return Result(self.folder, self.timing, period=period)
+        return Result(self.folder, self.timing, self.ended, period=period)
 
     def __getitem__(self, name: str) -> Signal:
         try:

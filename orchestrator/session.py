@@ -144,7 +144,7 @@ def _evaluated(
         if told := _diverged_before(composition, place.path):
             raise type(error)(f"{error}; {told}") from error.__cause__
         raise
-    figures = evaluate(spec.metrics, result, parameter)
+    figures = evaluate(spec.metrics, result, parameter, result.ended)
     diverged = divergence(spec.metrics, result, parameter)
     return Run(
         result,

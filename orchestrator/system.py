@@ -49,11 +49,23 @@ class Isolation:
 
 
 @dataclass(frozen=True)
+class Experiment:
+    """What of the experiment an FMU is told besides its start: the stop time of the
+    run, a relative tolerance; what it does not need it is not told unasked.
+    """
+
+    stop: bool = False
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True)
 class Component:
     """One FMU instance and when it is stepped.
 
     ``kind`` None means: as the FMU says, or continuous if it says nothing.
-    ``latency`` (whole samples) is for sampled components only.
+    ``latency`` (whole samples) is for sampled components only.  ``split`` False
+    holds the inputs of a continuous component over its own step, whatever is
+    published inside; None means: split it there, if the FMU allows that.
     """
 
     name: str
@@ -66,6 +78,8 @@ class Component:
     start: Mapping[str, Value] = field(default_factory=dict)
     map: Mapping[str, Mapped] = field(default_factory=dict)
     isolation: Isolation = Isolation()
+    experiment: Experiment = Experiment()
+    split: bool | None = None
 
 
 @dataclass(frozen=True)

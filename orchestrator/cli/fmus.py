@@ -68,7 +68,10 @@ def _model_facts(module: str, model: "Model") -> dict[str, Any]:
 def build(
     modules: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MODULE]...", help="plants.x, controllers.y, model.py"),
+        typer.Argument(
+            metavar="[MODULE]...",
+            help="plants.x, controllers.y, model.py, supplied.ball_screw",
+        ),
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="build every model")] = False,
     output: Annotated[
@@ -81,9 +84,16 @@ def build(
     period: Annotated[
         str | None, typer.Option(help='sample time of sampled models, e.g. "1/10000"')
     ] = None,
+    clock: Annotated[
+        bool,
+        typer.Option("--clock/--no-clock", help="input clock of sampled models, FMI 3"),
+    ] = True,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="all, or a platform (repeatable) [that of this machine]"),
+        typer.Option(
+            help="all, or a platform such as linux-x86_64 or win64 (repeatable) "
+            "[that of this machine]"
+        ),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -101,7 +111,8 @@ def build(
         folder = output / f"fmi{version}" if len(versions) > 1 else output
         for name in names:
             with waiting(f"building {name} as FMI {version}"):
-                built.append(_build(name, folder, kind, version, period, chosen, all_))
+                one = _build(name, folder, kind, version, period, chosen, all_, clock)
+                built.append(one)
     if json:
         print_json({"fmus": built})
         return
@@ -126,11 +137,13 @@ def _build(
     period: str | None,
     platforms: list[str] | None,
     skip_continuous: bool,
+    clock: bool,
 ) -> dict[str, Any]:
     """Build one FMU; a period for all models is not meant for continuous ones."""
     import fmus.build
     from fmus.model import Sampled
     from orchestrator.errors import ScenarioError
+    from orchestrator.supplied import PREFIX, build_supplied
 
     exact = None
     if period is not None:
@@ -142,9 +155,18 @@ def _build(
             exact = None
     begun = perf_counter()
     try:
-        file = fmus.build.build(
-            module, kind=kind, fmi=fmi, period=exact, platforms=platforms, folder=folder
-        )
+        if module.startswith(PREFIX):
+            file = build_supplied(module, folder)
+        else:
+            file = fmus.build.build(
+                module,
+                kind=kind,
+                fmi=fmi,
+                period=exact,
+                clock=clock,
+                platforms=platforms,
+                folder=folder,
+            )
     except fmus.build.BuildError as error:
         raise ScenarioError(f"{module}: {error}") from None
     return {

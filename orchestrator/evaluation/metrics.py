@@ -42,7 +42,7 @@ from orchestrator.quantity import (
     converter,
     parse_quantity,
 )
-from orchestrator.result import Signal
+from orchestrator.result import End, Signal
 from orchestrator.unit import Unit, conversion, product_unit, quotient_unit, unit_of
 
 Array: TypeAlias = NDArray[np.float64]
@@ -53,10 +53,12 @@ def evaluate(
     specs: Mapping[str, MetricSpec],
     signals: Mapping[str, Signal],
     parameter: Parameters,
+    ended: End | None = None,
 ) -> dict[str, Quantity]:
     """Return all figures ``<metric>.<figure>`` of a run.
 
-    ``parameter`` returns the value and unit of a ``component.parameter``.
+    ``parameter`` returns the value and unit of a ``component.parameter``.  Of a run
+    that ``ended`` early, metrics have no value whose window was not reached.
 
     Raises:
         ScenarioError: a signal is not recorded, grids or units do not fit, a
@@ -66,12 +68,26 @@ def evaluate(
     for name, spec in specs.items():
         try:
             with np.errstate(all="ignore"):  # what overflows has no value
-                found = _figures(spec, signals, parameter)
+                found = _until(ended, spec, signals, parameter)
             for key, figure in found.items():
                 figures[f"{name}.{key}"] = _in_range(figure)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
     return figures
+
+
+def _until(
+    ended: End | None,
+    spec: MetricSpec,
+    signals: Mapping[str, Signal],
+    parameter: Parameters,
+) -> dict[str, Quantity]:
+    if ended is None or spec.window is None or spec.window[1] <= ended.at:
+        return _figures(spec, signals, parameter)
+    whole = spec.model_copy(update={"window": None})  # for the figures' names
+    why = f"its window until {float(spec.window[1]):g} s was not reached: {ended}"
+    found = _figures(whole, signals, parameter)
+    return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
 
 
 def _in_range(figure: Quantity) -> Quantity:
@@ -88,7 +104,7 @@ def scaled(
 
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
-    total = _factors(spec, signal.unit, parameter)
+    total = factors(spec, signal.unit, parameter)
     values, own = signal.values * total.value, unit_of(total.unit)
     if to_unit is None:
         return values, own
@@ -110,16 +126,16 @@ def unit_doubts(
     """
     if isinstance(spec, SineMetric) and spec.against:
         return ()
-    own = unit_of(_factors(spec, unit(spec.of), parameter).unit)
+    own = unit_of(factors(spec, unit(spec.of), parameter).unit)
     doubts = conversion(own, spec.unit).doubts if spec.unit else ()
     if isinstance(spec, ErrorMetric | ContourMetric):
         other = spec.against if isinstance(spec, ErrorMetric) else spec.across
-        beside = _factors(spec, unit(other), parameter).unit
+        beside = factors(spec, unit(other), parameter).unit
         doubts += conversion(beside, spec.unit or own).doubts
     return doubts
 
 
-def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
+def factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
     """Return scale / per, in the unit that a signal in ``unit`` takes by it."""
     scale, per = (factor(f, parameter) for f in (spec.scale, spec.per))
     if per.value == 0:

@@ -1,8 +1,8 @@
 """What an FMU says of itself, for FMI 2.0 and 3.0 alike.
 
 Read with fmpy; from our own FMUs also the exact sample period and whether the
-model is continuous or sampled (a vendor annotation).  Units come from the
-FMU's own definitions.
+model is continuous or sampled (``extra/org.feeddrive``; before, an annotation).
+Units come from the FMU's own definitions.
 """
 
 import io
@@ -12,8 +12,9 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import isfinite
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal, cast, get_args
 
+from fmus.archive import EXTRA
 from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
@@ -112,6 +113,7 @@ class FmuDescription:
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
+    log_categories: tuple[str, ...]
 
     def __getitem__(self, name: str) -> FmuVariable:
         try:
@@ -123,8 +125,9 @@ class FmuDescription:
             ) from None
 
     @property
-    def is_ours(self) -> bool:
-        return self.kind is not None  # only our exporter says
+    def says_it_is_ours(self) -> bool:
+        """Whether it has what our exporter writes; anybody can write that."""
+        return self.kind is not None
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -183,7 +186,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
                 f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
                 f"FMI {major}; ask its supplier for a valid modelDescription.xml"
             )
-    kind, period = _annotation(root)
+    kind, period = _own(path, root)
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
@@ -220,6 +223,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
     )
 
 
@@ -335,15 +339,32 @@ def _platforms(path: Path) -> tuple[str, ...]:
     return tuple(sorted(folders))
 
 
-def _annotation(root: Any) -> tuple[Kind | None, Fraction | None]:
-    """Return kind and exact period that our own FMUs carry."""
-    for place in root.iter("{*}Tool", "{*}Annotation"):
-        if "feeddrive" not in (place.get("name"), place.get("type")):
-            continue
-        for model in place.iter("{*}Model"):
-            kind, period = model.get("kind"), model.get("period")
-            return cast(Kind, kind), Fraction(period) if period else None
+def _own(path: Path, root: Any) -> tuple[Kind | None, Fraction | None]:
+    """Return kind and exact period that our own FMUs carry, built today or before."""
+    from lxml import etree
+
+    place = EXTRA
+    try:
+        if any(member.filename == EXTRA for member in checked_members(path)):
+            return _told(etree.fromstring(read_member(path, EXTRA)))
+        place = "modelDescription.xml"
+        for note in root.iter("{*}Tool", "{*}Annotation"):
+            if "feeddrive" in (note.get("name"), note.get("type")):
+                for model in note.iter("{*}Model"):
+                    return _told(model)
+    except (etree.XMLSyntaxError, ValueError, ZeroDivisionError) as error:
+        raise FmuError(
+            f"{path}: kind and period in {place} cannot be understood ({error}); "
+            f"build the FMU again"
+        ) from None
     return None, None
+
+
+def _told(model: Any) -> tuple[Kind, Fraction | None]:
+    kind, period = model.get("kind"), model.get("period")
+    if kind not in get_args(Kind):
+        raise ValueError(f"kind = {kind!r}")
+    return cast(Kind, kind), Fraction(period) if period else None
 
 
 def _number(text: Any) -> float | None:

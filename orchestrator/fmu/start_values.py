@@ -58,7 +58,7 @@ def _numbers(where: str, found: Sequence[Port], value: Value) -> list[Written]:
     whole: dict[str, tuple[FmuVariable, list[float]]] = {}
     for port, number in zip(found, numbers, strict=True):
         v = port.variable
-        whole.setdefault(v.name, (v, _declared(v)))
+        whole.setdefault(v.name, (v, declared(v)))
         whole[v.name][1][port.element] = _bounded(where, port, number)
     return [(variable, tuple(values)) for variable, values in whole.values()]
 
@@ -82,12 +82,12 @@ def _bounded(where: str, port: Port, number: float) -> float:
     return theirs
 
 
-def _declared(variable: FmuVariable) -> list[float]:
+def declared(variable: FmuVariable) -> list[float]:
     """Return a variable's start values as the FMU declares them, else zeros."""
     words = {"true": 1.0, "false": 0.0}
-    declared = [
+    numbers = [
         words[w] if w in words else float(w) for w in (variable.start or "").split()
     ]
-    if len(declared) == 1:
-        return declared * variable.size
-    return declared if len(declared) == variable.size else [0.0] * variable.size
+    if len(numbers) == 1:
+        return numbers * variable.size
+    return numbers if len(numbers) == variable.size else [0.0] * variable.size

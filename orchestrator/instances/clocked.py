@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
-from orchestrator.instances.group import STATUS, WARNING
+from orchestrator.instances.ending import Ended
+from orchestrator.instances.group import DISCARD, OK, good, told
 from orchestrator.instances.instance import LocalInstance
 
 UPDATES = 100  # of one event
@@ -23,12 +24,10 @@ UPDATES = 100  # of one event
 class ClockedInstance(LocalInstance):
     """As ``LocalInstance``, for FMUs with a periodic input clock."""
 
-    def instantiate(self) -> None:
-        with self._named("instantiate"):
-            self._fmu.instantiate(
-                logMessage=self._fmi3_message, loggingOn=True, eventModeUsed=True
-            )
-        self.slave = ctypes.c_void_p(self._fmu.component)
+    def _create(self) -> None:
+        self._fmu.instantiate(
+            logMessage=self._fmi3_message, loggingOn=True, eventModeUsed=True
+        )
 
     def bind(
         self,
@@ -76,24 +75,31 @@ class ClockedInstance(LocalInstance):
         next_time = ctypes.byref(ctypes.c_double())
         pointers = [*map(ctypes.byref, flags), next_time]
         for _ in range(UPDATES):
-            if status > WARNING:
+            if not good(status):
                 return status
             status = int(self.update(self.slave, *pointers))
             if ended.value or not again.value:
                 break
-        return status if status > WARNING or not ended.value else 2
+        if not good(status):
+            return status
+        return DISCARD if ended.value else OK
 
     def _move_on(self) -> None:
         if self._pending is None:
             return
         (t, h), self._pending = self._pending, None
         status = self.enter_step(self.slave)
-        if status <= WARNING:
+        if good(status):
             super().step(t, h)
+            if self.outcome.last:
+                return
             status = self.enter_event(self.slave)
-        if status > WARNING:
+        if not good(status):
             raise self.failed_step(h, status)
 
     def failed_tick(self, status: int) -> SimulationError:
-        """Return the error for a tick that returned a status."""
-        return self.fail("the tick of its clock", f"returned {STATUS[status]}")
+        """Return the error for a tick that returned a status, or ended the run."""
+        if status == DISCARD:  # as _tick and kernel.c say it
+            reason = "an event asked to end the simulation"
+            return Ended(self.name, self.time, reason)
+        return self.fail("the tick of its clock", f"returned {told(status)}")

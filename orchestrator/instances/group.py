@@ -19,7 +19,7 @@ from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.native import library as c
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-WARNING, DISCARD, FATAL = 1, 2, 4
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 
 _FLOAT32_MAX = float(np.finfo(np.float32).max)
 _BOUNDS = {
@@ -49,6 +49,17 @@ _CTYPES: dict[str, Any] = {
     "Int64": ctypes.c_int64,
     "UInt64": ctypes.c_uint64,
 }
+
+
+def good(status: int) -> bool:
+    """Tell whether a call succeeded; a negative status is none of FMI's."""
+    return OK <= status <= WARNING
+
+
+def told(status: int) -> str:
+    """Return a status by its name in FMI."""
+    known = 0 <= status < len(STATUS)
+    return STATUS[status] if known else f"{status}, which is no status of FMI"
 
 
 class Owner(Protocol):
@@ -162,13 +173,13 @@ class Group:
     def failure(self, verb: str, status: int) -> SimulationError:
         """Return the error for a get or set that returned a status."""
         self.instance.refused(status)
-        return self.instance.fail(self._named(verb), f"returned {STATUS[status]}")
+        return self.instance.fail(self._named(verb), f"returned {told(status)}")
 
     def _named(self, verb: str) -> str:
         return f"{verb} {self.kind} ({self.names}, ...)"
 
     def _call(self, verb: str, function: Any) -> None:
-        if (status := function(*self._arguments)) > WARNING:
+        if not good(status := function(*self._arguments)):
             raise self.failure(verb, status)
 
 

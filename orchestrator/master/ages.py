@@ -13,12 +13,13 @@ from orchestrator.master.faults import describe
 from orchestrator.master.layout import Edge, Part
 from orchestrator.master.simulate import plan
 from orchestrator.master.timetable import Timetable
+from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.system import System
 
 
 @dataclass(frozen=True)
 class Turn:
-    """When one component is due, in seconds; ``steps`` counts it over the run."""
+    """When one component is due, in seconds; ``steps`` counts its steps or ticks."""
 
     component: str
     kind: str
@@ -53,6 +54,8 @@ class Plan:
     turns: tuple[Turn, ...]
     ages: tuple[Age, ...]
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    undriven: tuple[Undriven, ...]
 
 
 def describe_schedule(system: System) -> Plan:
@@ -63,6 +66,7 @@ def describe_schedule(system: System) -> Plan:
     """
     timetable = plan(system)
     schedule, parts = timetable.schedule, timetable.wiring.parts
+    steps = timetable.steps()
     turns = tuple(
         Turn(
             name,
@@ -70,7 +74,7 @@ def describe_schedule(system: System) -> Plan:
             part.component.period,
             part.component.offset,
             part.component.latency,
-            schedule.ticks(name),
+            steps[name],
         )
         for name, part in parts.items()
     )
@@ -83,13 +87,15 @@ def describe_schedule(system: System) -> Plan:
         turns,
         tuple(_age(timetable, edge) for edge in timetable.wiring.edges),
         timetable.wiring.notes,
+        timetable.wiring.warnings,
+        undriven(system, {name: part.fmu for name, part in parts.items()}),
     )
 
 
 def _age(timetable: Timetable, edge: Edge) -> Age:
     source = timetable.wiring.parts[edge.source]
     sink = timetable.wiring.parts[edge.sink]
-    split = sink.kind == "continuous" and sink.fmu.variable_step
+    split = sink.splits
     every, read = source.component.period, sink.component.period
     if split:
         youngest = oldest = Fraction(0)

@@ -57,6 +57,12 @@ class Part:
         return self.component.name
 
     @property
+    def splits(self) -> bool:
+        """Tell whether its steps are split where what it reads is published."""
+        wanted = self.component.split is not False
+        return self.kind == "continuous" and self.fmu.variable_step and wanted
+
+    @property
     def read_size(self) -> int:
         return sum(v.size for v in self.read)
 

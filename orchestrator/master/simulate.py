@@ -1,8 +1,8 @@
 """One run of a system: the order in which everything is opened and closed.
 
 1. read and check all FMUs, wire, order, schedule: nothing has run yet;
-2. unpack and load each FMU (those that are not ours, or need Python or another
-   tool, in a process of their own), initialise together;
+2. unpack and load each FMU (those that were not built here, or need Python or
+   another tool, in a process of their own), initialise together;
 3. execute the timetable, recording: natively where all FMUs run in this process
    and a compiler is there, else in Python, with the same bits;
 4. whatever happens: end the streams, terminate and free the instances, delete
@@ -23,11 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.compile import CompileError
+from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
-from orchestrator.instances.instance import Instance, LogMessage
+from orchestrator.instances.ending import Ended
+from orchestrator.instances.instance import Instance
 from orchestrator.instances.load import load
+from orchestrator.instances.logs import LogMessage
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
@@ -35,7 +38,7 @@ from orchestrator.master.recorder import Recorder, refuse_no_room
 from orchestrator.master.timetable import Timetable
 from orchestrator.master.wiring import wire
 from orchestrator.profile import Profile, Spent
-from orchestrator.result import Result, Timing
+from orchestrator.result import End, Result, Timing
 from orchestrator.system import Isolation, System
 from orchestrator.warned import warn
 
@@ -93,7 +96,8 @@ def simulate(
             name: open_instance(name, part.fmu, stack, part.component.isolation, shared)
             for name, part in wiring.parts.items()
         }
-        initialise(wiring, instances, vector)
+        quiet = not LOG.isEnabledFor(logging.INFO)
+        initialise(wiring, instances, vector, quiet=quiet)
         recorder = Recorder(folder / "result", wiring.tables, vector)
         complete = False
         try:
@@ -101,14 +105,14 @@ def simulate(
                 engine = _engine(
                     executor, timetable, instances, vector, recorder, profile
                 )
-                timing = _execute(timetable, engine, recorder, progress)
+                timing, ended = _execute(timetable, engine, recorder, progress)
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
                 timing = replace(timing, profile=where)
             complete = True
         finally:
             recorder.close(complete=complete)
-    return Result(folder, timing)
+    return Result(folder, timing, ended)
 
 
 @contextmanager
@@ -183,7 +187,7 @@ def open_instance(
     """
     apart = isolation.process
     if apart is None:
-        apart = fmu.needs_execution_tool or not fmu.is_ours
+        apart = fmu.needs_execution_tool or not is_trusted(fmu.path)
     alone = shared is None or apart or fmu.once_per_process
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:
@@ -210,15 +214,21 @@ def _execute(
     engine: Engine,
     recorder: Recorder,
     progress: Progress | None,
-) -> Timing:
+) -> tuple[Timing, End | None]:
+    """Carry out all instants, or those until an FMU ends the run."""
     begun = told = perf_counter()
-    for k in engine.run():
-        if (now := perf_counter()) - told > BETWEEN:
-            told = now
-            recorder.flush()
-            if progress:
-                progress(k * timetable.schedule.tick)
     stop = timetable.wiring.system.stop
-    if progress:
-        progress(stop)
-    return Timing(perf_counter() - begun, engine.count, float(stop), engine.name)
+    reached, ended = float(stop), None
+    try:
+        for k in engine.run():
+            if (now := perf_counter()) - told > BETWEEN:
+                told = now
+                recorder.flush()
+                if progress:
+                    progress(k * timetable.schedule.tick)
+    except Ended as end:
+        reached, ended = end.at, End(end.by, end.at, end.reason)
+    else:
+        if progress:
+            progress(stop)
+    return Timing(perf_counter() - begun, engine.count, reached, engine.name), ended

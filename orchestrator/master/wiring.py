@@ -120,8 +120,18 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
             f"{where}.step = {c.period} s, but {fmu.path.name} was built for a sample "
             f"time of {fmu.period} s; build it again with --period {c.period}"
         )
+    if c.split is not None and kind == "sampled":
+        raise WiringError(
+            f"{where}.split: a sampled component ticks, it has no step to split; "
+            f"remove it"
+        )
     if kind == "sampled" or fmu.variable_step:
         return
+    if c.split:
+        raise WiringError(
+            f"{where}.split = true: {fmu.path.name} only takes equal steps "
+            f"(canHandleVariableCommunicationStepSize is false); remove it"
+        )
     _refuse_no_multiple(where, c, fmu)
     if c.offset:
         raise ScheduleError(

@@ -1,8 +1,7 @@
 """A component's FMU: found, or built where it is a model of ours; and the component."""
 
-import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,9 +10,10 @@ from fmus.model import Sampled
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import read_fmu
 from orchestrator.scenario.moved import refusal
+from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
-from orchestrator.system import Component, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 
 
 @dataclass(frozen=True)
@@ -67,29 +67,31 @@ def locate(
     return Located(path, written, period)
 
 
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def component_of(
     name: str, spec: ComponentSpec, found: Located, designed: Mapping[str, Value]
 ) -> Component:
-    """Return a component as its specification and design say."""
-    return Component(
+    """Return a component as its specification and design say.
+
+    Raises:
+        ScenarioError: a value with a unit does not fit its variable.
+    """
+    component = Component(
         name=name,
         fmu=found.path,
         period=found.period,
         offset=spec.offset,
         latency=spec.latency,
         kind=spec.kind,
-        parameters={**designed, **spec.parameters},
-        start=dict(spec.start),
         map={k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()},
         isolation=Isolation(
             None if spec.isolation is None else spec.isolation == "process",
             float(spec.answer_within),
             spec.memory_limit,
         ),
+        experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
+        split=spec.split,
     )
+    fmu = read_fmu(found.path)
+    parameters = in_own_units(component, fmu, "parameters", spec.parameters)
+    start = in_own_units(component, fmu, "start", spec.start)
+    return replace(component, parameters={**designed, **parameters}, start=start)

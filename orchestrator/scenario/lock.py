@@ -104,6 +104,13 @@ def _component(component: Component) -> dict[str, Any]:
     if component.kind is not None:
         written["kind"] = component.kind
     written |= _isolation(component.isolation)
+    experiment = component.experiment
+    if experiment.stop:
+        written["experiment"] = {"stop": True}
+    if experiment.tolerance is not None:
+        written.setdefault("experiment", {})["tolerance"] = experiment.tolerance
+    if component.split is not None:
+        written["split"] = component.split
     return {key: value for key, value in written.items() if value != {}}
 
 

@@ -30,7 +30,10 @@ from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Wind
 from orchestrator.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
-_RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
+_RESERVED = (
+    *("stop", "fmi", "rates", "design", "base", "faults"),
+    *("metrics", "record", "connections"),
+)
 
 
 def parse_value(value: Any) -> Value:
@@ -65,6 +68,15 @@ def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def parse_setting(value: Any) -> Value | str:
+    """Return what a parameter or start is set to: a value, or a text as ``"8 kg"``.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    return value if isinstance(value, str) else parse_value(value)
+
+
 def _source(value: Any) -> float | str | tuple[str, ...]:
     if isinstance(value, str):
         return value
@@ -80,12 +92,15 @@ Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
-Number: TypeAlias = Annotated[Value, PlainValidator(parse_value)]
+Number: TypeAlias = Annotated[Value | str, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
 
 
 class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side."""
+    """A foreign variable under our name: theirs, gain, offset, unit of our side.
+
+    A ``value``, in our unit, is one of the component's parameters.
+    """
 
     name: str
     gain: float | None = None
@@ -98,6 +113,13 @@ class MapSpec(Strict):
         if value is not None and (value == 0 or not np.isfinite(value)):
             raise ValueError(f"{value} is no gain: a finite number other than zero")
         return value
+
+
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
 
 
 class ComponentSpec(Strict):
@@ -114,6 +136,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod

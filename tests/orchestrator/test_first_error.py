@@ -1,18 +1,22 @@
 """What a failed run says is its failure, whatever it was to be judged by."""
 
 import sys
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, get_args
 
 import pytest
 from broken import MISBEHAVES, MODES, pack
 from pydantic import BaseModel
+from systems import part, system
 
 from orchestrator.errors import SimulationError
 from orchestrator.evaluation.schema import MetricSpec
 from orchestrator.history.listing import entries
+from orchestrator.master.simulate import simulate
 from orchestrator.scenario.reading import scenario_from
 from orchestrator.session import run
+from orchestrator.system import Component, Isolation
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="signals and limits of Linux"
@@ -119,3 +123,43 @@ def test_no_metric_masks_the_end_of_a_process_or_of_the_disk(
             misbehaves, mode, at, METRICS, **{"isolation": "process", **more}
         )
         assert said in str(error)
+
+
+@pytest.mark.parametrize("isolation", ["none", "process"])
+@pytest.mark.parametrize("executor", ["kernel", "python"])
+@pytest.mark.parametrize(
+    ("mode", "said"),
+    [
+        ("negative", "doStep of 0.001 s at t = 0.05 s returned -1, which is no status"),
+        ("seven", "doStep of 0.001 s at t = 0.05 s returned 7, which is no status"),
+        ("negative_get", "get Real (y, ...) at t = 0.05 s returned -1, which is no"),
+        ("negative_set", "set Real (u, ...) at t = 0.05 s returned -1, which is no"),
+        ("negative_start", "failed with status -1 (illegal return code)"),
+    ],
+)
+def test_a_status_that_fmi_does_not_know_is_no_success(
+    misbehaves: Path,
+    tmp_path: Path,
+    mode: str,
+    said: str,
+    executor: Any,
+    isolation: str,
+) -> None:
+    parameters = {"mode": MODES.index(mode), "at": 0.05}
+    bad = part_of(misbehaves, parameters, process=isolation == "process")
+    fed = [part("ramp", "counter", "1/1000"), bad]
+    given = system("0.1", fed, {"bad.u": "ramp.k"}, {"bad.y": "1/1000"})
+    with pytest.raises(SimulationError) as error:
+        simulate(given, tmp_path, executor=executor)
+    assert "bad (misbehaves.fmu)" in str(error.value)
+    assert said in str(error.value)
+
+
+def part_of(fmu: Path, parameters: dict[str, float], *, process: bool) -> Component:
+    return Component(
+        "bad",
+        fmu,
+        Fraction(1, 1000),
+        parameters=parameters,
+        isolation=Isolation(process=process),
+    )

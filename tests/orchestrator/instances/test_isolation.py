@@ -167,7 +167,8 @@ def test_requests_through_pipe_and_memory_never_overtake_each_other() -> None:
         one = isolated.IsolatedInstance("one", description, folder, print, quick)
         try:
             one.instantiate()
-            one.enter_initialization(0.0)
+            one.set_up(0.0, None, None)
+            one.enter_initialization()
             vector = np.zeros(1)
             one.bind(vector, [], 0, [count], 0)
             one.exit_initialization()
@@ -217,7 +218,7 @@ print("begun")
 isolation = Isolation(process=True)
 T = Fraction("1/1000")
 bad = Component("bad", Path({str(misbehaves)!r}), T, isolation=isolation)
-system = System("x", 10 * T, {{"bad": bad}}, {{}}, {{"bad.y": T}})
+system = System("x", 10 * T, {{"bad": bad}}, {{}}, {{"bad.y": (T,)}})
 print(len(simulate(system, Path({str(tmp_path)!r}))["bad.y"]))
 """
     )
