@@ -52,9 +52,10 @@ def build(
 
     ``module`` is a dotted name or the path of a model file.  ``period`` (s)
     replaces that of a sampled model.  Without ``clock`` a sampled model has no
-    input clock in FMI 3, which some importers take for a number.  ``platforms``
-    default to the host's; those of Python FMUs are pythonfmu's.  With ``folder``
-    the file is copied there.
+    input clock in FMI 3, which some importers take for a number.  ``platforms``,
+    called as by us or as in FMI (``win64``, ``x86_64-windows``), default to the
+    host's; those of Python FMUs are pythonfmu's.  With ``folder`` the file is
+    copied there.
 
     Raises:
         BuildError: the options do not go together, or the module is missing, has
@@ -63,7 +64,7 @@ def build(
     """
     _check_options(kind, fmi, period)
     files = sources(module)
-    wanted = tuple(sorted(set(platforms))) if platforms is not None else None
+    wanted = None if platforms is None else _named(platforms)
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
     here = (host.system(), host.machine())
     key = _key(files, kind, fmi, period, clock, here if wanted is None else wanted)
@@ -127,6 +128,12 @@ def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
         raise BuildError("Python FMUs are FMI 2 only: ask for that or for a native one")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
+
+
+def _named(platforms: Sequence[str]) -> tuple[str, ...]:
+    from fmus.compile import platforms_named
+
+    return tuple(sorted({ours for name in platforms for ours in platforms_named(name)}))
 
 
 def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]:

@@ -90,7 +90,10 @@ def build(
     ] = True,
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="all, or a platform (repeatable) [that of this machine]"),
+        typer.Option(
+            help="all, or a platform such as linux-x86_64 or win64 (repeatable) "
+            "[that of this machine]"
+        ),
     ] = None,
     json: Json = False,
 ) -> None:

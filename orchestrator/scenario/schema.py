@@ -31,7 +31,10 @@ from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Wind
 from orchestrator.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
-_RESERVED = ("stop", "fmi", "rates", "design", "base", "faults")
+_RESERVED = (
+    *("stop", "fmi", "rates", "design", "base", "faults"),
+    *("metrics", "record", "connections"),
+)
 
 
 def parse_value(value: Any) -> Value:

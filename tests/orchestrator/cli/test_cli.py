@@ -1,6 +1,8 @@
 """The command: what it prints, where, and how it refuses."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -397,3 +399,22 @@ def test_the_module_runs_as_the_command_and_imports_nothing_heavy():
     assert "reproduce" in done.stdout
     loaded = done.stderr.strip().splitlines()[-1]
     assert loaded in ("[]", "['rich.table']")
+
+
+def test_version_help_and_completion_answer(feeddrive):
+    assert re.fullmatch(r"feeddrive \d+\.\d+\.\d+\n", feeddrive("--version").stdout)
+    for verb in ((), ("run",), ("runs",)):
+        assert "Usage" in feeddrive(*verb, "-h").stdout
+    done = subprocess.run(
+        [sys.executable, "-m", "orchestrator"],
+        env={
+            **os.environ,
+            "_FEEDDRIVE_COMPLETE": "complete_bash",
+            "COMP_WORDS": "feeddrive run ball_screw_pole_placement/mc_ppc_track_1",
+            "COMP_CWORD": "2",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "ball_screw_pole_placement/mc_ppc_track_1000" in done.stdout.split()
