@@ -18,7 +18,13 @@ from orchestrator.cli.output import (
     waiting,
 )
 from orchestrator.cli.running import load, simulate
-from orchestrator.cli.swap import ORIGINAL, compare, load_original, print_swap
+from orchestrator.cli.swap import (
+    ORIGINAL,
+    compare,
+    load_original,
+    print_swap,
+    propose_map,
+)
 from orchestrator.evaluation.compare import number
 from orchestrator.quantity import NoValue, rate, time_text
 
@@ -111,9 +117,17 @@ def run(
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
-    original = None
-    if swap:
-        original = load_original(scenario, sets, swap, map, fmi, map_out)
+    if map_out is not None:
+        text = propose_map(scenario, sets, swap, fmi, map_out)
+        if json:
+            print_json({"map": text, "file": str(map_out)})
+            return
+        typer.echo(
+            f"{text}\nproposed and not applied: check every line, above all gains and "
+            f"signs, and run again with --map {map_out}"
+        )
+        return
+    original = load_original(scenario, sets, swap, map, fmi) if swap else None
     loaded = load(scenario, sets, swap, map, fmi)
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Run] = {}
