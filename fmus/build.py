@@ -55,11 +55,19 @@ def build(
     """Return an FMU of ``module.model``, from the cache if it is there.
 
     ``module`` is a dotted name or the path of a model file.  ``period`` (s)
+<<<<<<< HEAD
     replaces that of a sampled model, ``values`` the start values they name; the
     documentation then says their ``origin``.  Without ``clock`` a sampled model has no
     input clock in FMI 3, which some importers take for a number.  ``platforms``
     default to the host's; those of Python FMUs are pythonfmu's.  With ``folder``
     the file is copied there.
+=======
+    replaces that of a sampled model.  Without ``clock`` a sampled model has no
+    input clock in FMI 3, which some importers take for a number.  ``platforms``,
+    called as by us or as in FMI (``win64``, ``x86_64-windows``), default to the
+    host's; those of Python FMUs are pythonfmu's.  With ``folder`` the file is
+    copied there.
+>>>>>>> main
 
     Raises:
         BuildError: the options do not go together, or the module is missing, has
@@ -70,7 +78,7 @@ def build(
     if values and kind == "python":
         raise BuildError("Python FMUs keep the start values of their module")
     files = sources(module)
-    wanted = tuple(sorted(set(platforms))) if platforms is not None else None
+    wanted = None if platforms is None else _named(platforms)
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
     here = (host.system(), host.machine())
     told = (sorted((values or {}).items()), origin)
@@ -173,6 +181,12 @@ def _check_options(kind: FmuKind, fmi: int, period: Fraction | None) -> None:
         raise BuildError("Python FMUs are FMI 2 only: ask for that or for a native one")
     if period is not None and period <= 0:
         raise BuildError(f"a period of {period} s is not positive")
+
+
+def _named(platforms: Sequence[str]) -> tuple[str, ...]:
+    from fmus.compile import platforms_named
+
+    return tuple(sorted({ours for name in platforms for ours in platforms_named(name)}))
 
 
 def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]:

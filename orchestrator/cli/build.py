@@ -56,7 +56,10 @@ def build(
     real: Annotated[str, typer.Option(help="double or float, of plain C")] = "double",
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="all, or a platform (repeatable) [that of this machine]"),
+        typer.Option(
+            help="all, or a platform such as linux-x86_64 or win64 (repeatable) "
+            "[that of this machine]"
+        ),
     ] = None,
     json: Json = False,
 ) -> None:

@@ -18,6 +18,7 @@ from orchestrator.evaluation.compare import change, number
 from orchestrator.quantity import NoValue
 
 if TYPE_CHECKING:
+    from orchestrator.fmu.description import FmuDescription
     from orchestrator.outcome import Run
     from orchestrator.scenario.compose import Composition
     from orchestrator.scenario.reading import Scenario
@@ -28,7 +29,11 @@ OF_BOTH = ("step", "offset", "latency")
 
 
 def load_original(
-    name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
+    name: str,
+    sets: list[str],
+    swaps: list[str],
+    maps: list[str],
+    fmi: int | None,
 ) -> "Scenario":
     """Return the scenario without the swaps, with all else that is set on it.
 
@@ -70,30 +75,71 @@ def _shared(text: str, original: "Composition") -> bool:
 def _refuse_other_names(
     original: "Composition", swaps: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    from fmus.build import build
     from orchestrator.errors import ScenarioError
-    from orchestrator.fmu.description import read_fmu
-    from orchestrator.scenario.propose import (
-        missing_names,
-        propose,
-        to_toml,
-        used_names,
-    )
+    from orchestrator.scenario.propose import lacking
 
-    for component, swap in swaps.items():
-        if "map" in swap:
-            continue
-        written = str(swap["fmu"])
-        theirs = read_fmu(written if written.endswith(".fmu") else build(written))
-        names = used_names(original.system, component)
-        if not (missing := missing_names(names, theirs)):
-            continue
-        found = to_toml(propose(missing, original.fmus[component], theirs))
+    for component, theirs in _without_map(swaps).items():
+        if missing := lacking(original.system, component, theirs):
+            raise ScenarioError(
+                f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
+                f"A map is proposed below and was not applied: check every line and "
+                f"the signs, save it as map.toml (--map-out map.toml does) and add "
+                f"--map map.toml\n\n{_proposal(original, component, theirs)}"
+            )
+
+
+def _without_map(
+    swaps: Mapping[str, Mapping[str, Any]],
+) -> "dict[str, FmuDescription]":
+    """Return the FMUs of swaps for which no map is given, by component."""
+    from fmus.build import build
+    from orchestrator.fmu.description import read_fmu
+
+    files = {
+        name: str(swap["fmu"]) for name, swap in swaps.items() if "map" not in swap
+    }
+    return {
+        name: read_fmu(file if file.endswith(".fmu") else build(file))
+        for name, file in files.items()
+    }
+
+
+def _proposal(original: "Composition", component: str, theirs: "FmuDescription") -> str:
+    from orchestrator.scenario.propose import proposal
+
+    return proposal(original.system, component, original.fmus[component], theirs)
+
+
+def propose_map(
+    name: str, sets: list[str], swaps: list[str], fmi: int | None, file: Path
+) -> str:
+    """Write the map that is proposed for a swap, and return it.
+
+    Raises:
+        ScenarioError: there is not one swap, or the file is there already: somebody
+            may have edited it.
+    """
+    from orchestrator.errors import ScenarioError
+    from orchestrator.scenario.compose import compose
+    from orchestrator.scenario.override import parse_swaps
+    from orchestrator.session import naming, run_earlier
+
+    found = _without_map(parse_swaps(swaps, []))
+    if len(found) != 1:
+        raise ScenarioError("--map-out: write one --swap whose map is to be proposed")
+    ((component, theirs),) = found.items()
+    elsewhere = [t for t in sets if t.partition(".")[0].strip() != component]
+    original = load(name, elsewhere, [], [], fmi)
+    with naming(original), waiting("comparing names and answers"):
+        text = _proposal(compose(original, run_earlier), component, theirs)
+    try:
+        with file.open("x", encoding="utf-8") as new:
+            new.write(text)
+    except FileExistsError:
         raise ScenarioError(
-            f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
-            f"A map is proposed below and was not applied: check every line and the "
-            f"signs, save it as map.toml and add --map map.toml\n\n{found}"
-        )
+            f"--map-out {file}: there is such a file; name another"
+        ) from None
+    return text
 
 
 def compare(

@@ -246,3 +246,54 @@ def test_result_files_keep_the_definition(pair):
     stored = {k.encode(): v.encode() for k, v in unit.metadata().items()}
     read = Unit.from_metadata(stored)
     assert (read, read.base, read.relative) == (unit, unit.base, unit.relative)
+
+
+UNITS = """<UnitDefinitions><Unit name="grd"><BaseUnit K="1" offset="273.15"/></Unit>
+<Unit name="none"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
+TYPES = {
+    2: '<SimpleType name="T"><Real unit="grd" relativeQuantity="true"/></SimpleType>',
+    3: '<Float64Type name="T" unit="grd" relativeQuantity="true"/>',
+}
+VARIABLE = {
+    2: '<ScalarVariable name="{0}" valueReference="{1}"><Real {2}/></ScalarVariable>',
+    3: '<Float64 name="{0}" valueReference="{1}" {2}/>',
+}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_units_are_read_from_variable_and_type(fmi, tmp_path):
+    """fmpy 0.3.32 never finds a variable's own relativeQuantity."""
+    attributes = {
+        "of_type": 'declaredType="T"',
+        "not_so": 'declaredType="T" relativeQuantity="false"',
+        "own": 'unit="grd" relativeQuantity="1"',
+        "value": 'unit="grd"',
+        "void": 'unit="none"',
+        "bare": "",
+    }
+    variables = "".join(
+        VARIABLE[fmi].format(name, i, text)
+        for i, (name, text) in enumerate(attributes.items())
+    )
+    token = "guid" if fmi == 2 else "instantiationToken"
+    text = (
+        DESCRIPTION.replace('"2.0"', f'"{fmi}.0"')
+        .replace("guid", token)
+        .replace(
+            "<ModelVariables/>",
+            f"{UNITS}<TypeDefinitions>{TYPES[fmi]}"
+            f"</TypeDefinitions><ModelVariables>{variables}</ModelVariables>",
+        )
+    )
+    file = tmp_path / "m.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    found = {name: v.unit for name, v in read_fmu(file).variables.items()}
+    relative = {name: unit.relative for name, unit in found.items() if unit}
+    assert relative == {
+        **{"of_type": True, "not_so": False, "own": True, "value": False},
+        "void": False,
+    }
+    assert found["bare"] is None
+    assert found["value"].base == BaseUnit(K=1, offset=273.15)
+    assert "without defining it" in found["void"].doubt
