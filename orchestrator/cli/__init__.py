@@ -10,15 +10,10 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli import (
-<<<<<<< HEAD
     build,
     check,
     design,
-=======
-    check,
-    design,
     export,
->>>>>>> main
     fmus,
     run,
     runs,
