@@ -16,6 +16,7 @@ from orchestrator.evaluation.compare import change
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import ErrorMetric, Expectation, PlainMetric
+from orchestrator.fmu.declared import Declared
 from orchestrator.fmu.description import FmuVariable, read_fmu
 from orchestrator.fmu.ports import connection, ports
 from orchestrator.master.wiring import wire
@@ -83,7 +84,7 @@ def fmu_of(tmp_path_factory):
             **{"name": name, "fmi_type": "Real", "reference": 0, "shape": ()},
             **{"causality": causality, "variability": "continuous", "initial": None},
             **{"unit": unit, "base_unit": unit and unit.base, "start": "0"},
-            **{"min": None, "max": None, "description": ""},
+            **{"min": None, "max": None, "description": "", "declared": Declared()},
         )
         units = {str(unit): unit.base} if unit and unit.base else {}
         fmu = replace(plain, variables={name: variable}, units=units)
