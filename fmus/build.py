@@ -54,25 +54,18 @@ def build(
 ) -> Path:
     """Return an FMU of ``module.model``, from the cache if it is there.
 
-        ``module`` is a dotted name or the path of a model file.  ``period`` (s)
-    <<<<<<< HEAD
-        replaces that of a sampled model, ``values`` the start values they name; the
-        documentation then says their ``origin``.  Without ``clock`` a sampled model has no
-        input clock in FMI 3, which some importers take for a number.  ``platforms``
-        default to the host's; those of Python FMUs are pythonfmu's.  With ``folder``
-        the file is copied there.
-    =======
-        replaces that of a sampled model.  Without ``clock`` a sampled model has no
-        input clock in FMI 3, which some importers take for a number.  ``platforms``,
-        called as by us or as in FMI (``win64``, ``x86_64-windows``), default to the
-        host's; those of Python FMUs are pythonfmu's.  With ``folder`` the file is
-        copied there.
-    >>>>>>> main
+    ``module`` is a dotted name or the path of a model file.  ``period`` (s)
+    replaces that of a sampled model, ``values`` the start values they name; the
+    documentation then tells their ``origin``.  Without ``clock`` a sampled model
+    has no input clock in FMI 3, which some importers take for a number.
+    ``platforms``, called as by us or as in FMI (``win64``, ``x86_64-windows``),
+    default to the host's; those of Python FMUs are pythonfmu's.  With ``folder``
+    the file is copied there.
 
-        Raises:
-            BuildError: the options do not go together, or the module is missing, has
-                no model, or one that cannot be traced or compiled.
-            OSError: the file cannot be written; it is named.
+    Raises:
+        BuildError: the options do not go together, or the module is missing, has
+            no model, or one that cannot be traced or compiled.
+        OSError: the file cannot be written; it is named.
     """
     _check_options(kind, fmi, period)
     if values and kind == "python":
