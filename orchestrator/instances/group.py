@@ -54,6 +54,22 @@ def told(status: int) -> str:
     return STATUS[status] if known else f"{status}, which is no status of FMI"
 
 
+def strict(fmu: Any) -> Any:
+    """Let fmpy refuse negative statuses, which it takes for success."""
+    from fmpy.fmi1 import FMICallException
+
+    call = fmu._call
+
+    def checked(function: str, *arguments: Any) -> Any:
+        result = call(function, *arguments)
+        if fmu._functions[function].restype is ctypes.c_int and result < 0:
+            raise FMICallException(function=function, status=result)
+        return result
+
+    fmu._call = checked
+    return fmu
+
+
 class Owner(Protocol):
     """What a group asks of the instance whose variables it moves."""
 

@@ -22,6 +22,7 @@ from orchestrator.instances.group import (
     Group,
     good,
     groups,
+    strict,
     told,
 )
 from orchestrator.instances.logs import (
@@ -61,7 +62,7 @@ class LocalInstance:
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
-                self._fmu = _strict(self._load(folder))
+                self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise
@@ -298,22 +299,6 @@ class LocalInstance:
             if self._worst != FATAL:  # then no call is allowed any more
                 self._fmu.freeInstance()
         self.slave = None
-
-
-def _strict(fmu: Any) -> Any:
-    """Let fmpy refuse negative statuses, which it takes for success."""
-    from fmpy.fmi1 import FMICallException
-
-    call = fmu._call
-
-    def checked(function: str, *arguments: Any) -> Any:
-        result = call(function, *arguments)
-        if fmu._functions[function].restype is ctypes.c_int and result < 0:
-            raise FMICallException(function=function, status=result)
-        return result
-
-    fmu._call = checked
-    return fmu
 
 
 class _Named:
