@@ -32,7 +32,7 @@ _BLOCKS = {
     "derivative": "DERIVATIVE",
     "period": "PERIOD",
 }
-_QUIET = """\
+QUIET = """\
 /* Local, so that models linked into one program do not meet. */
 #define CASADI_SYMBOL_EXPORT static
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -82,7 +82,7 @@ def native_sources(
     functions = (*traced.functions.values(), tangent(traced))
     work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
     parts = [
-        _QUIET,
+        QUIET,
         c_code(model, functions),
         '#include "model.h"\n',
         *_tables(model, layout),
@@ -108,8 +108,8 @@ def _tables(model: Model, layout: Layout) -> list[str]:
         _array(
             "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
         ),
-        _array("double", "start", map(_number, [*start, 0.0])),
-        _array("double", "nominal", map(_number, nominal or [1.0])),
+        _array("double", "start", map(number, [*start, 0.0])),
+        _array("double", "nominal", map(number, nominal or [1.0])),
         _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 
@@ -180,7 +180,7 @@ def _model(
         "n_d": traced.derived_size,
         "continuous": int(continuous),
         "clock": int(clock and not continuous),
-        "h_max": _number(model.h_max if isinstance(model, Continuous) else 0.0),
+        "h_max": number(model.h_max if isinstance(model, Continuous) else 0.0),
         "period_num": period[0],
         "period_den": period[1],
         "delays": "delays",
@@ -218,7 +218,7 @@ def _text(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     return repr(float(value))
 
 

@@ -48,11 +48,11 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
                     f"record.{name!r}: {port.full_name} is {port.variable.kind}, and "
                     f"texts are not recorded; remove it from [record]"
                 )
-    warnings += [
-        d for found in recorded.values() for port in found for d in port.doubts
-    ]
     layout = Layout(system, fmus, links, recorded)
     parts = {name: layout.part(name) for name in system.components}
+    taken = [port for found in recorded.values() for port in found]
+    taken += _written(system, fmus)
+    warnings += [doubt for port in taken for doubt in port.doubts]
     edges = tuple(
         Edge(s.component, s.variable.name, t.component, t.variable.name)
         for s, t, _ in links
@@ -72,6 +72,16 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         tuple(dict.fromkeys(warnings)),
         tuple(_faulty(system, fmus, layout)),
     )
+
+
+def _written(system: System, fmus: Mapping[str, FmuDescription]) -> list[Port]:
+    """Return the numbers that are written before the run."""
+    return [
+        port
+        for name, component in system.components.items()
+        for variable in (*component.parameters, *component.start)
+        for port in ports(component, fmus[name], variable)
+    ]
 
 
 def _faulty(

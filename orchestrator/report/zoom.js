@@ -63,7 +63,7 @@
   }
 
   /* Draw what `axis` shows; all time axes show the same. */
-  async function draw(curves, axis) {
+  function draw(curves, axis) {
     const { autorange, range } = plot.layout[axis];
     const [from, to] = autorange === false ? range : [-Infinity, Infinity];
     const drawn = curves.map((curve) => thinned(curve, from, to));
@@ -74,7 +74,7 @@
       autorange === false
         ? [[`${key}.range`, [from, to]], [`${key}.autorange`, false]]
         : [[`${key}.autorange`, true]]);
-    await Plotly.update(
+    Plotly.update(
       plot,
       { x: curves.map(taken("x")), y: curves.map(taken("y")), mode: drawn.map(few) },
       Object.fromEntries(view),
@@ -90,18 +90,21 @@
       coarse.join("");
   }
 
+  if (!stored.length) return;
   if (!("DecompressionStream" in window)) {
     told.textContent += " This browser cannot show more when zooming.";
     return;
   }
   const curves = await Promise.all(stored.map(read));
-  let drawing = false;
-  async function follow(change) {
+  let shown = "";
+  function follow(change) {
     const key = Object.keys(change).find((k) => /^xaxis\d*\.(auto)?range/.test(k));
-    if (drawing || !key) return;
-    drawing = true;
-    await draw(curves, key.split(".")[0]);
-    drawing = false;
+    if (!key) return;
+    const axis = key.split(".")[0], { autorange, range } = plot.layout[axis];
+    const view = autorange === false ? JSON.stringify(range) : "whole";
+    if (view === shown) return; /* drawing tells of the same view again */
+    shown = view;
+    draw(curves, axis);
   }
   plot.on("plotly_relayout", follow);
   follow({ "xaxis.autorange": true });

@@ -105,6 +105,7 @@ def test_runs_says_what_is_under_way_interrupted_and_killed(here: Path) -> None:
     ]
     until(lambda: len([e for e in entries(RUNS) if e.reached]) == 2)
     assert {e.state for e in entries(RUNS)} == {"under way"}
+    assert all(len(Result(e.folder)["snap.d_2"]) > 1 for e in entries(RUNS))
     assert feeddrive("runs", "--remove", "1").exit_code == 2
     for process, how in zip(begun, (signal.SIGINT, signal.SIGKILL), strict=True):
         process.send_signal(how)
