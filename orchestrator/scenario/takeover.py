@@ -79,7 +79,9 @@ class Swap:
             unit = self._unit(name)
             if theirs is not None and unit is not None and mapped.unit is None:
                 try:
-                    yield name, self._in_unit(name, mapped, theirs, unit)
+                    found = self._in_unit(name, mapped, theirs, unit)
+                    if found != MapSpec(name=name):
+                        yield name, found
                 except UnitError as error:
                     if name in spec.map or name in self.used:
                         raise ScenarioError(
