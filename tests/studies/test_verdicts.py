@@ -139,7 +139,7 @@ def test_every_published_number_stands_with_its_place_and_unit(study: str) -> No
         if numbers:
             found[spec.where, spec.unit][spec.id.partition("@")[0]] = numbers
     counted = {
-        place: (len(numbers := [x for row in rows.values() for x in row]), sum(numbers))
+        place: (sum(map(len, rows.values())), sum(map(sum, rows.values())))
         for place, rows in found.items()
     }
     assert counted.keys() == PUBLISHED[study].keys()
