@@ -116,7 +116,13 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
+    from orchestrator.errors import ScenarioError
+
     set_up_logs(verbose)
+    if overwrite and output is None:
+        raise ScenarioError(
+            "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
         if json:
@@ -130,22 +136,32 @@ def run(
     original = load_original(scenario, sets, swap, map, fmi) if swap else None
     loaded = load(scenario, sets, swap, map, fmi)
     options = {"executor": executor and executor.value, "profile": profile}
-    beside: dict[str, Run] = {}
+    beside: dict[str, Any] = {}
 
     def also(done: "Run") -> dict[str, Any]:
         """Run what a swap is compared with before the run is complete."""
         if original:
-            beside[ORIGINAL] = compare(original, done, swap, **options)
-        return {name: other.summary()["metrics"] for name, other in beside.items()}
+            first, answers = compare(original, done, swap, **options)
+            beside.update(first=first, answers=answers)
+        return told(done)
+
+    def told(done: "Run") -> dict[str, Any]:
+        """Return what JSON says of a swap besides."""
+        if not beside:
+            return {}
+        return {
+            ORIGINAL: beside["first"].summary()["metrics"],
+            "answers": [asdict(one) for one in beside["answers"]],
+            "warnings": list(done.warnings),
+        }
 
     done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
     if json:
-        others = {name: other.summary()["metrics"] for name, other in beside.items()}
-        print_json({**done.summary(), **others})
+        print_json({**done.summary(), **told(done)})
     else:
         print_run(done)
-        for first in beside.values():
-            print_swap(first, done)
+        if beside:
+            print_swap(beside["first"], done, beside["answers"])
     changed = bool(sets or swap)  # then figures may well differ, but not be gone
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:

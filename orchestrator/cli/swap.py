@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from orchestrator.fmu.description import FmuDescription
     from orchestrator.outcome import Run
     from orchestrator.scenario.compose import Composition
+    from orchestrator.scenario.pulse import Measured
     from orchestrator.scenario.reading import Scenario
 
 ORIGINAL = "original"
@@ -144,17 +145,39 @@ def propose_map(
 
 def compare(
     original: "Scenario", swapped: "Run", swaps: list[str], **options: Any
-) -> "Run":
-    """Run the original too, overlay both in the report, and return its run."""
+) -> "tuple[Run, list[Measured]]":
+    """Run the original too and overlay both in the report.
+
+    Returns its run, and how an FMU file answers short pulses beside it; an answer
+    the other way round is warned of.
+    """
     from orchestrator.report.page import write_report
+    from orchestrator.scenario.pulse import answers
+    from orchestrator.warned import warn
 
     first = simulate(original, swapped.folder / ORIGINAL, report=False, **options)
-    names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in _parts(swaps))
+    parts = _parts(swaps)
+    both = first.composition, swapped.composition
+    found = [
+        one
+        for component, _, _ in parts
+        if swapped.composition.sources[component].endswith(".fmu")
+        for one in answers(*both, component)
+    ]
+    for one in found:
+        if one.ratio < 0:
+            text = (
+                f"{one.output} answers a pulse on {one.input} the other way round "
+                f"({one.ratio:+.3g} times the original's): is a sign of the map wrong?"
+            )
+            warn(text)
+            swapped.warnings += (text,)
+    names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in parts)
     title = swapped.scenario.spec.title or swapped.scenario.name
     with waiting("writing the report"):
         runs = [_titled(first, ORIGINAL), _titled(swapped, SWAPPED)]
         write_report(runs, swapped.folder / "report.html", f"{title}: {names}")
-    return first
+    return first, found
 
 
 def _parts(swaps: Sequence[str]) -> list[tuple[str, str, str]]:
@@ -171,7 +194,7 @@ def _titled(run: "Run", title: str) -> "Run":
     return Run(run, composition, *told)
 
 
-def print_swap(first: "Run", second: "Run") -> None:
+def print_swap(first: "Run", second: "Run", answers: "Sequence[Measured]") -> None:
     """Print the figures of the original and of the swapped run side by side."""
     rows = []
     for name, before in first.metrics.items():
@@ -202,6 +225,9 @@ def print_swap(first: "Run", second: "Run") -> None:
         rows.append(row)
     head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
+    if answers:
+        told = ", ".join(f"{a.input} -> {a.output} {a.ratio:+.4g}" for a in answers)
+        typer.echo(f"answers to a short pulse, {SWAPPED} over {ORIGINAL}: {told}")
     if first.diverged:
         typer.echo(f"{ORIGINAL}: {first.diverged}")
     for run, name in ((first, ORIGINAL), (second, SWAPPED)):
