@@ -33,7 +33,6 @@ FLAGS = (
     "-Wall",
     "-Wextra",
     "-Werror",
-    "-Wno-unused-parameter",  # FMI prescribes arguments that nobody needs
 )
 
 
@@ -79,14 +78,14 @@ PLATFORMS: Mapping[str, Platform] = MappingProxyType(
             ),
             Platform(
                 "macos-x86_64",
-                "x86_64-macos",
+                "x86_64-macos.10.13",
                 "darwin64",
                 "x86_64-darwin",
                 ".dylib",
             ),
             Platform(
                 "macos-arm64",
-                "aarch64-macos",
+                "aarch64-macos.11.0",
                 "darwin64",
                 "aarch64-darwin",
                 ".dylib",

@@ -2,10 +2,12 @@
 
 ``fmus/native`` holds the FMI functions and the integration, the same for every
 model.  ``model_data.c`` holds the compiled equations and a table of what the
-adapters must know about them (``model.h`` declares it).
+adapters must know about them (``model.h`` declares it).  ``all.c`` includes them
+all: one translation unit, in C99 or C++.
 """
 
 from collections.abc import Iterable, Mapping
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +19,9 @@ if TYPE_CHECKING:  # imports CasADi, which only new builds need
 
 NATIVE = Path(__file__).with_name("native")
 MODEL_DATA = "model_data.c"
+ALL = "all.c"
+SHORTEST = 16  # steps of h_max / 16 fit into a delay line (simulation.c)
+NAME = 32  # words for the name of an instance in a static pool
 
 _BLOCKS = {
     "parameter": "PARAMETER",
@@ -32,6 +37,20 @@ _QUIET = """\
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 """
+# in the order of model.h; what a model does not have is 0
+EQUATIONS = ("prepare", "step", "derivative", "output", "advance")
+POOL = """\
+#ifdef FEEDDRIVE_INSTANCES
+#include "component.h"
+enum {{
+    BYTES = sizeof(Component) + {delays} * sizeof(DelayLine) +
+            {changes} * sizeof(Change),
+    PLACE = (BYTES + sizeof(double) - 1) / sizeof(double) + {words}
+}};
+double feeddrive_pool[(size_t)FEEDDRIVE_INSTANCES * PLACE];
+const size_t feeddrive_place = PLACE;
+#endif
+"""
 
 
 def adapter_sources() -> dict[str, str]:
@@ -41,11 +60,17 @@ def adapter_sources() -> dict[str, str]:
 
 
 def native_sources(
-    model: Model, traced: "Traced", layout: Layout, identifier: str, token: str
+    model: Model,
+    traced: "Traced",
+    layout: Layout,
+    identifier: str,
+    token: str,
+    clock: bool = True,
 ) -> dict[str, str]:
     """Return the generated C files by name: equations and data of one model.
 
-    ``token`` is what an importer must show to instantiate it (FMI 2: guid).
+    ``token`` is what an importer must show to instantiate it (FMI 2: guid);
+    without ``clock`` a sampled model has no event mode.
 
     Raises:
         ValueError: a delay names no input or parameter, or their sizes differ.
@@ -57,7 +82,8 @@ def native_sources(
         c_code(model, traced),
         '#include "model.h"\n',
         *_tables(model, layout),
-        _model(model, traced, layout, identifier, token),
+        _model(model, traced, layout, identifier, token, clock),
+        _pool(model, traced, layout),
     ]
     return {MODEL_DATA: "\n".join(parts)}
 
@@ -70,7 +96,9 @@ def _tables(model: Model, layout: Layout) -> list[str]:
     nominal = [
         v.var.nominal or 1.0 for v in layout.block("state") for _ in range(v.size)
     ]
-    delays = [f"{{{u}, {tau}}}" for u, tau in _delays(model, layout)]
+    delays = [
+        f"{{{u}, {tau}, {capacity}}}" for u, tau, capacity in _delays(model, layout)
+    ]
     return [
         _array("Variable", "variables", variables),
         _array(
@@ -78,7 +106,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
         ),
         _array("double", "start", map(_number, [*start, 0.0])),
         _array("double", "nominal", map(_number, nominal or [1.0])),
-        _array("Delay", "delays", delays or ["{0, 0}"]),
+        _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 
 
@@ -88,21 +116,24 @@ def _variable(v: Variable) -> str:
     return "{" + ", ".join([*fields, *(str(int(flag)) for flag in flags)]) + "}"
 
 
-def _delays(model: Model, layout: Layout) -> list[tuple[int, int]]:
-    """Return the references of each delayed input element and its dead time."""
-    pairs = []
-    delay = model.delay if isinstance(model, Continuous) else {}
-    for input_name, parameter_name in delay.items():
+def _delays(model: Model, layout: Layout) -> list[tuple[int, int, int]]:
+    """Return, of each delayed input element, its reference, that of its dead time
+    and how many changes its line holds: at the longest dead time that the model
+    names, and the shortest usual step."""
+    if not isinstance(model, Continuous):
+        return []
+    triples = []
+    for input_name, parameter_name in model.delay.items():
         u = _named(model, layout, "input", input_name)
         tau = _named(model, layout, "parameter", parameter_name)
-        if tau.size not in (1, u.size):
+        if tau.size != 1:
             raise ValueError(
-                f"{model.name}: dead time {tau.name!r} has {tau.size} elements, "
-                f"input {u.name!r} has {u.size}; give one for all or one for each"
+                f"{model.name}: dead time {tau.name!r} has {tau.size} elements; give "
+                f"one for all of {u.name!r}"
             )
-        for i in range(u.size):
-            pairs.append((u.reference + i, tau.reference + (i if tau.size > 1 else 0)))
-    return pairs
+        capacity = ceil(max(tau.start) / model.h_max * SHORTEST) + 2
+        triples += [(u.reference + i, tau.reference, capacity) for i in range(u.size)]
+    return triples
 
 
 def _named(model: Model, layout: Layout, block: str, name: str) -> Variable:
@@ -113,7 +144,12 @@ def _named(model: Model, layout: Layout, block: str, name: str) -> Variable:
 
 
 def _model(
-    model: Model, traced: "Traced", layout: Layout, identifier: str, token: str
+    model: Model,
+    traced: "Traced",
+    layout: Layout,
+    identifier: str,
+    token: str,
+    clock: bool,
 ) -> str:
     functions = traced.functions.values()
     offset, count = layout.offset, layout.count
@@ -139,19 +175,36 @@ def _model(
         "n_x": count["state"],
         "n_d": traced.derived_size,
         "continuous": int(continuous),
+        "clock": int(clock and not continuous),
         "h_max": _number(model.h_max if isinstance(model, Continuous) else 0.0),
         "period_num": period[0],
         "period_den": period[1],
         "delays": "delays",
         "n_delays": len(_delays(model, layout)),
-        **{name: name for name in traced.functions},
+        **{name: _equation(name, traced) for name in EQUATIONS},
         "sz_arg": max(f.sz_arg() for f in functions),
         "sz_res": max(f.sz_res() for f in functions),
         "sz_iw": max(f.sz_iw() for f in functions),
         "sz_w": max(f.sz_w() for f in functions),
     }
-    lines = [f"    .{name} = {value}," for name, value in fields.items()]
+    lines = [f"    {value}, /* {name} */" for name, value in fields.items()]
     return "\n".join(["const Model feeddrive_model = {", *lines, "};\n"])
+
+
+def _equation(name: str, traced: "Traced") -> str:
+    return name if name in traced.functions else "0"
+
+
+def _pool(model: Model, traced: "Traced", layout: Layout) -> str:
+    """Return the static memory of instances, for importers without a heap."""
+    functions = traced.functions.values()
+    words = layout.size + 1 + traced.derived_size + NAME
+    words += layout.count["input"] + 5 * layout.count["state"]
+    for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"):
+        words += max(getattr(function, size)() for function in functions)
+    delays = _delays(model, layout)
+    changes = sum(capacity for _, _, capacity in delays)
+    return POOL.format(words=words, delays=len(delays), changes=changes)
 
 
 def _array(kind: str, name: str, elements: Iterable[str]) -> str:
@@ -169,5 +222,5 @@ def _number(value: float) -> str:
 
 
 def source_names(sources: Mapping[str, str]) -> list[str]:
-    """Return which of the files a compiler is to be given, headers left out."""
-    return sorted(name for name in sources if name.endswith(".c"))
+    """Return the files to be compiled one by one: all but headers and ``all.c``."""
+    return sorted(name for name in sources if name.endswith(".c") and name != ALL)

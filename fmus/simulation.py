@@ -4,8 +4,10 @@ The rules are those of the native adapters (``fmus/native/simulation.h``):
 continuous models take n = max(1, ceil(h / h_max - 1e-6)) equal Runge-Kutta
 substeps (or the model's ``advance``), cut where a delayed input changes;
 outputs are then those at the new time with the inputs of the step.  Sampled
-models run tick j in the step that ends after start + j T_s.  Outside stepping,
-outputs follow whatever is set.
+models run n ticks, by count, in a step within 1e-3 T_s of n periods, and in any
+other step the ticks j for which it ends after start + j T_s, by the caller's clock
+or by the sum of all steps, whichever is earlier (docs/decisions/0001).  Outside
+stepping, outputs follow whatever is set.
 """
 
 from typing import Any
@@ -15,6 +17,7 @@ import numpy as np
 from fmus.layout import Block, Layout, layout
 from fmus.model import Continuous, Model, Record, add, pack, unpack
 
+WHOLE = 1e-3  # of a period: a step this near to n periods is n ticks
 NEAR = 1e-9  # of a step: a delayed change this near to its end counts as there
 
 
@@ -48,6 +51,7 @@ class Simulation:
         self.start_time = 0.0
         self.tick = 0
         self.elapsed = self.excess = 0.0  # sum of all steps (s), and its rounding
+        self.ahead = 0.0  # what the caller's clock is ahead of that (s)
         self.derived: tuple[Any, ...] | None = None
         self.outputs_stale = True
         self.lines: dict[int, Line] = {}
@@ -94,6 +98,7 @@ class Simulation:
             "tick": self.tick,
             "elapsed": self.elapsed,
             "excess": self.excess,
+            "ahead": self.ahead,
             "outputs_stale": self.outputs_stale,
             "lines": [[i, x.value, list(x.changes)] for i, x in self.lines.items()],
         }
@@ -103,6 +108,7 @@ class Simulation:
         self.values = np.array(state["values"], dtype=float)
         self.start_time, self.tick = state["start_time"], state["tick"]
         self.elapsed, self.excess = state["elapsed"], state["excess"]
+        self.ahead = state["ahead"]
         self.derived, self.outputs_stale = None, state["outputs_stale"]
         for i, value, changes in state["lines"]:
             self.lines[i] = line = Line(value)
@@ -176,24 +182,31 @@ class Simulation:
         u, (p, *d) = self._record("input", model.input), self._arguments()
         num, den = model.period.as_integer_ratio()
         T_s = float(model.period)
-        end = self._step_end(t, h) - 1e-6 * T_s
-        while self.start_time + self.tick * num / den < end:
+
+        def tick() -> None:
             x, y = model.step(self._record("state", model.state), u, p, T_s, *d)
             self._store("state", x)
             self._store("output", y)
             self.tick += 1
 
-    def _step_end(self, t: float, h: float) -> float:
-        """Return the end by the caller's clock or by the sum of all steps (s).
+        whole = int(np.floor(h / T_s + 0.5))
+        if whole >= 1 and abs(h / T_s - whole) < WHOLE:
+            self._add_time(whole * T_s)
+            self.ahead += h - whole * T_s
+            for _ in range(whole):
+                tick()
+            return
+        self._add_time(h)
+        end = min(t + h - self.ahead, self.start_time + self.elapsed) - 1e-6 * T_s
+        while self.start_time + self.tick * num / den < end:
+            tick()
 
-        The earlier one: a caller's ``t += h`` runs ahead by more than 1e-6 T_s in
-        seconds (docs/decisions/0001).  The sum is Kahan's.
-        """
+    def _add_time(self, h: float) -> None:
+        """Add a step (s) to the sum of all, by Kahan's rule."""
         part = h - self.excess
         total = self.elapsed + part
         self.excess = (total - self.elapsed) - part
         self.elapsed = total
-        return min(t + h, self.start_time + total)
 
 
 def derived(model: Model, p: Record) -> tuple[Any, ...]:

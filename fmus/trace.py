@@ -12,6 +12,7 @@ Refused: a NaN constant, the mark of ``math.f(x)`` or ``float(x)`` on a signal.
 Constant parameters are baked in as numbers; their places in p are not read.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +23,9 @@ import numpy as np
 
 from fmus.model import Continuous, Model, Record, is_record, leaves
 from fmus.returned import called, pair_of, record_of
+
+# of fmus/native/elementary.h, instead of the C library's
+OWN = "exp|expm1|log|sin|cos|tan|sinh|cosh|tanh|pow|fmin|fmax"
 
 
 @dataclass(frozen=True)
@@ -187,9 +191,19 @@ def dependencies(function: ca.Function, result: str, argument: str) -> ca.Sparsi
 
 
 def c_code(model: Model, traced: Traced) -> str:
-    """Return C99 source of the model's equations, static data free."""
+    """Return C99 source of the model's equations, static data free.
+
+    It includes ``elementary.h`` and calls its functions, which give the same
+    bits on every machine.
+    """
     generator = ca.CodeGenerator(f"{model.name}.c", {"with_header": False})
     for function in traced.functions.values():
         generator.add(function)
     code: str = generator.dump()
-    return code
+    theirs = rf"casadi_(?:fabs|{OWN})"  # for compilers before C99
+    code = re.sub(rf"#define {theirs} .*\n", "", code)
+    code = re.sub(rf"casadi_real {theirs}\(.*?\n}}\n\n", "", code, flags=re.DOTALL)
+    code = code.replace("casadi_fabs(", "fabs(")
+    code = re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", code)
+    code = re.sub(rf"\b(?:casadi_)?({OWN})\(", r"own_\1(", code)
+    return code.replace("#include <math.h>", '#include "elementary.h"')

@@ -1,14 +1,16 @@
 #include "component.h"
 
+#include "memory.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define M feeddrive_model
 #define LONGEST 1e9 /* substeps or ticks in one step; more is a mistake */
+#define MESSAGE 1024
 
 static void tell(const Component *c, const char *message) {
     if (c->log && c->callback)
@@ -17,29 +19,30 @@ static void tell(const Component *c, const char *message) {
 }
 
 int component_refuse(Component *c, const char *format, ...) {
+    char room[MESSAGE], *longer = NULL, *message = room;
+    size_t name, size;
+    va_list arguments;
     if (!c->logging)
         return STATUS_ERROR;
-    va_list arguments;
     va_start(arguments, format);
-    int size = vsnprintf(NULL, 0, format, arguments) + 1;
+    name = strlen(c->name) + 2;
+    size = name + (size_t)vsnprintf(NULL, 0, format, arguments) + 1;
     va_end(arguments);
-    size_t name = strlen(c->name) + 2;
-    char *message = malloc(name + (size_t)size);
-    if (!message)
-        return STATUS_ERROR;
-    sprintf(message, "%s: ", c->name);
-    va_start(arguments, format);
-    vsnprintf(message + name, (size_t)size, format, arguments);
-    va_end(arguments);
-    tell(c, message);
-    free(message);
+    if (size > MESSAGE)
+        longer = (char *)memory_more(size);
+    if (longer)
+        message = longer;
+    else if (size > MESSAGE)
+        size = MESSAGE; /* without a heap the end is cut */
+    if (name < size) {
+        snprintf(message, size, "%s: ", c->name);
+        va_start(arguments, format);
+        vsnprintf(message + name, size - name, format, arguments);
+        va_end(arguments);
+        tell(c, message);
+    }
+    memory_release(longer);
     return STATUS_ERROR;
-}
-
-static char *copy_of(const char *text) {
-    size_t size = strlen(text) + 1;
-    char *copy = malloc(size);
-    return copy ? memcpy(copy, text, size) : NULL;
 }
 
 /* Why there can be no such instance, or NULL. */
@@ -61,39 +64,40 @@ static const char *objection(const char *name, const char *token,
 Component *component_new(const char *name, const char *token, int model_exchange,
                          int logging, Log *log, void (*callback)(void),
                          void *environment) {
-    Component trial = {.name = (char *)(name ? name : ""),
-                       .logging = 1,
-                       .log = log,
-                       .callback = callback,
-                       .environment = environment};
+    Component trial, *c;
     const char *why = objection(name, token, model_exchange);
+    size_t head = (sizeof *c + sizeof(double) - 1) / sizeof(double);
+    memset(&trial, 0, sizeof trial);
+    trial.name = name ? name : "";
+    trial.logging = 1;
+    trial.log = log;
+    trial.callback = callback;
+    trial.environment = environment;
+    trial.model_exchange = model_exchange;
     if (why) {
         component_refuse(&trial, "%s is not instantiated: %s", M.identifier, why);
         return NULL;
     }
-    Component *c = malloc(sizeof *c);
-    if (c) {
-        *c = trial;
-        c->model_exchange = model_exchange;
-        c->logging = logging;
-        c->name = copy_of(name);
-        if (simulation_allocate(&c->simulation) && c->name) {
-            simulation_reset(&c->simulation);
-            c->simulation.state->phase = INSTANTIATED;
-            return c;
-        }
-        component_free(c);
+    head *= sizeof(double);
+    c = (Component *)memory_take(head + simulation_size() + strlen(name) + 1);
+    if (!c) {
+        component_refuse(&trial, "there is no memory for another instance");
+        return NULL;
     }
-    component_refuse(&trial, "there is no memory for another instance");
-    return NULL;
+    *c = trial;
+    c->logging = logging;
+    c->name = strcpy((char *)c + head + simulation_size(), name);
+    simulation_place(&c->simulation, (char *)c + head);
+    simulation_reset(&c->simulation);
+    c->simulation.state.phase = INSTANTIATED;
+    return c;
 }
 
 void component_free(Component *c) {
     if (!c)
         return;
     simulation_free(&c->simulation);
-    free(c->name);
-    free(c);
+    memory_give(c);
 }
 
 static const char *phase_name(int phase) {
@@ -111,10 +115,10 @@ static const char *phase_name(int phase) {
 int component_may(Component *c, const char *function, int phases) {
     if (!c)
         return 0;
-    if (c->simulation.state->phase & phases)
+    if (c->simulation.state.phase & phases)
         return 1;
     component_refuse(c, "%s is not allowed %s", function,
-                     phase_name(c->simulation.state->phase));
+                     phase_name(c->simulation.state.phase));
     return 0;
 }
 
@@ -152,12 +156,12 @@ int component_set_logging(Component *c, const char *function, int on,
 
 int component_set_times(Component *c, const char *function, double start,
                         double stop) {
-    State *state = c->simulation.state;
+    State *state = &c->simulation.state;
     if (!isfinite(start) || !(stop >= start))
         return component_refuse(c, "%s: start time %.17g s must be finite and not "
                                    "after the stop time %.17g s",
                                 function, start, stop);
-    state->values[M.size - 1] = state->start_time = start;
+    c->simulation.values[M.size - 1] = state->start_time = start;
     state->stop_time = stop;
     return STATUS_OK;
 }
@@ -165,7 +169,7 @@ int component_set_times(Component *c, const char *function, double start,
 int component_move(Component *c, const char *function, int from, int to) {
     if (!component_may(c, function, from))
         return STATUS_ERROR;
-    c->simulation.state->phase = to;
+    c->simulation.state.phase = to;
     return STATUS_OK;
 }
 
@@ -183,7 +187,7 @@ static int fit_to_go_on(Component *c, const char *function) {
     unsigned wrong = simulation_not_finite(&c->simulation);
     if (wrong == M.size)
         return 1;
-    const double *values = c->simulation.state->values;
+    const double *values = c->simulation.values;
     const char *name = name_of(wrong, part);
     component_refuse(c, "%s: %s%s is %g at t = %.9g s; finite values were expected",
                      function, part, name, values[wrong], values[M.size - 1]);
@@ -197,18 +201,30 @@ static int dead_times_fit(Component *c, const char *function) {
         return 1;
     const char *name = name_of(M.delays[i].dead_time, part);
     component_refuse(c, "%s: dead time %s%s is %g s; it cannot be negative", function,
-                     part, name, c->simulation.state->values[M.delays[i].dead_time]);
+                     part, name, c->simulation.values[M.delays[i].dead_time]);
+    return 0;
+}
+
+int component_reserve(Component *c, const char *function, unsigned i, double tau) {
+    if (simulation_reserve(&c->simulation, i, tau))
+        return 1;
+    component_refuse(c, "%s: there is no memory for a dead time of %g s", function, tau);
     return 0;
 }
 
 int component_exit_initialization(Component *c, const char *function) {
+    unsigned i;
     if (!component_may(c, function, INITIALIZING) || !dead_times_fit(c, function))
         return STATUS_ERROR;
+    for (i = 0; i < M.n_delays; i++)
+        if (!component_reserve(c, function, i,
+                               c->simulation.values[M.delays[i].dead_time]))
+            return STATUS_ERROR;
     simulation_refresh(&c->simulation);
     if (!fit_to_go_on(c, function))
         return STATUS_ERROR;
     simulation_begin(&c->simulation);
-    c->simulation.state->phase =
+    c->simulation.state.phase =
         c->model_exchange || c->simulation.clocked ? EVENT : STEPPING;
     return STATUS_OK;
 }
@@ -232,12 +248,12 @@ int component_leave_events(Component *c, const char *function) {
 int component_update(Component *c, const char *function) {
     if (!component_may(c, function, EVENT))
         return STATUS_ERROR;
-    if (!c->simulation.state->ticking)
+    if (!c->simulation.state.ticking)
         return STATUS_OK;
     simulation_tick(&c->simulation);
     if (fit_to_go_on(c, function))
         return STATUS_OK;
-    c->simulation.state->phase = FAILED;
+    c->simulation.state.phase = FAILED;
     return STATUS_ERROR;
 }
 
@@ -245,13 +261,13 @@ int component_reset(Component *c, const char *function) {
     if (!component_may(c, function, ANY))
         return STATUS_ERROR;
     simulation_reset(&c->simulation);
-    c->simulation.state->phase = INSTANTIATED;
+    c->simulation.state.phase = INSTANTIATED;
     return STATUS_OK;
 }
 
 static int step_fits(Component *c, const char *function, double t, double h) {
-    const State *state = c->simulation.state;
-    double now = state->values[M.size - 1];
+    const State *state = &c->simulation.state;
+    double now = c->simulation.values[M.size - 1];
     double rounding = 1e-9 * h + 8 * DBL_EPSILON * fabs(now);
     if (!(h > 0) || !isfinite(h)) {
         component_refuse(c, "%s: the step is %g s; it must be positive", function, h);
@@ -275,10 +291,12 @@ int component_step(Component *c, const char *function, double t, double h) {
         !dead_times_fit(c, function))
         return STATUS_ERROR;
     if (!simulation_step(&c->simulation, t, h))
-        component_refuse(c, "%s: there is no memory for a delayed input", function);
+        component_refuse(c, "%s: a delayed input changed too often within its dead time; "
+                            "steps of %g s and more always fit",
+                         function, M.h_max);
     else if (fit_to_go_on(c, function))
         return STATUS_OK;
-    c->simulation.state->phase = FAILED;
-    c->simulation.state->values[M.size - 1] = t; /* the last successful time */
+    c->simulation.state.phase = FAILED;
+    c->simulation.values[M.size - 1] = t; /* the last successful time */
     return STATUS_ERROR;
 }

@@ -32,12 +32,15 @@ typedef void Log(void *environment, void (*callback)(void), const char *instance
 
 struct Component {
     Simulation simulation;
-    char *name;
+    const char *name;
     int model_exchange, logging;
     Log *log; /* hands a message to the importer's callback */
     void (*callback)(void);
     void *environment;
 };
+
+/* What FMI calls an instance. */
+#define OF(instance) ((Component *)(instance))
 
 /* Create an instance, or log why not and return NULL. */
 Component *component_new(const char *name, const char *token, int model_exchange,
@@ -63,6 +66,10 @@ int component_set_logging(Component *c, const char *function, int on,
 int component_set_times(Component *c, const char *function, double start,
                         double stop);
 int component_exit_initialization(Component *c, const char *function);
+
+/* Make room for a dead time of tau (s) of delay i; returns 0 if there is none. */
+int component_reserve(Component *c, const char *function, unsigned i, double tau);
+
 int component_move(Component *c, const char *function, int from, int to);
 int component_reset(Component *c, const char *function);
 

@@ -1,52 +1,54 @@
 #include "delay.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include "memory.h"
 
 void delay_reset(DelayLine *line, double value) {
     line->value = value;
     line->first = line->count = 0;
 }
 
-/* Make room for one more change behind the last. */
-static int make_room(DelayLine *line) {
-    if (line->first + line->count < line->capacity)
+int delay_reserve(DelayLine *line, size_t capacity) {
+    Change *room;
+    size_t i;
+    if (capacity <= line->capacity)
         return 1;
-    if (line->first > line->capacity / 2) {
-        memmove(line->changes, line->changes + line->first,
-                line->count * sizeof(Change));
-        line->first = 0;
-        return 1;
-    }
-    size_t capacity = line->capacity ? 2 * line->capacity : 16;
-    Change *changes = realloc(line->changes, capacity * sizeof(Change));
-    if (!changes)
+    room = (Change *)memory_more(capacity * sizeof(Change));
+    if (!room)
         return 0;
-    line->changes = changes;
+    for (i = 0; i < line->count; i++)
+        room[i] = *delay_next(line, i);
+    memory_release(line->grown);
+    line->changes = line->grown = room;
+    line->first = 0;
     line->capacity = capacity;
     return 1;
 }
 
 int delay_enter(DelayLine *line, double time, double value) {
-    size_t end = line->first + line->count;
-    double last = line->count ? line->changes[end - 1].value : line->value;
+    Change *change;
+    double last = line->count ? delay_next(line, line->count - 1)->value : line->value;
     if (value == last)
         return 1;
-    if (!make_room(line))
+    if (line->count == line->capacity)
         return 0;
-    line->changes[line->first + line->count++] = (Change){time, value};
+    change = line->changes + (line->first + line->count++) % line->capacity;
+    change->time = time;
+    change->value = value;
     return 1;
 }
 
-const Change *delay_next(const DelayLine *line) {
-    return line->count ? line->changes + line->first : NULL;
+const Change *delay_next(const DelayLine *line, size_t n) {
+    if (n >= line->count)
+        return NULL;
+    return line->changes + (line->first + n) % line->capacity;
 }
 
 void delay_arrive(DelayLine *line) {
-    line->value = line->changes[line->first++].value;
+    line->value = line->changes[line->first].value;
+    line->first = (line->first + 1) % line->capacity;
     line->count--;
 }
 
 void delay_free(DelayLine *line) {
-    free(line->changes);
+    memory_release(line->grown);
 }

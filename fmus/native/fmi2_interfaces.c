@@ -3,11 +3,13 @@
 
 #include "fmi2Functions.h"
 
+#include <string.h>
+
 /* A function of which the description says that it is not supported. */
-static fmi2Status absent(fmi2Component c, const char *function) {
-    if (!component_may(c, function, ANY))
+static fmi2Status fmi2_absent(fmi2Component c, const char *function) {
+    if (!component_may(OF(c), function, ANY))
         return fmi2Error;
-    return component_refuse(c, "%s is not supported", function);
+    return (fmi2Status)component_refuse(OF(c), "%s is not supported", function);
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c,
@@ -16,7 +18,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c,
                                         const fmi2ValueReference vKnown_ref[],
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    return absent(c, "fmi2GetDirectionalDerivative");
+    return fmi2_absent(c, "fmi2GetDirectionalDerivative");
 }
 
 /* Co-simulation */
@@ -24,55 +26,55 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c,
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
                       fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
-    return component_step(c, "fmi2DoStep", currentCommunicationPoint,
+    return (fmi2Status)component_step(OF(c), "fmi2DoStep", currentCommunicationPoint,
                           communicationStepSize);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
-    return absent(c, "fmi2CancelStep");
+    return fmi2_absent(c, "fmi2CancelStep");
 }
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c,
                                        const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[],
                                        const fmi2Real value[]) {
-    return absent(c, "fmi2SetRealInputDerivatives");
+    return fmi2_absent(c, "fmi2SetRealInputDerivatives");
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c,
                                         const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[],
                                         fmi2Real value[]) {
-    return absent(c, "fmi2GetRealOutputDerivatives");
+    return fmi2_absent(c, "fmi2GetRealOutputDerivatives");
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s,
                          fmi2Status *value) {
-    return absent(c, "fmi2GetStatus (steps are never pending)");
+    return fmi2_absent(c, "fmi2GetStatus (steps are never pending)");
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s,
                              fmi2Real *value) {
     if (s != fmi2LastSuccessfulTime)
-        return absent(c, "fmi2GetRealStatus of another kind than the last time");
-    if (!component_may(c, "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED) ||
-        !component_given(c, "fmi2GetRealStatus", 1, value))
+        return fmi2_absent(c, "fmi2GetRealStatus of another kind than the last time");
+    if (!component_may(OF(c), "fmi2GetRealStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(OF(c), "fmi2GetRealStatus", 1, value))
         return fmi2Error;
-    *value = component_values(c)[feeddrive_model.size - 1];
+    *value = component_values(OF(c))[feeddrive_model.size - 1];
     return fmi2OK;
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s,
                                 fmi2Integer *value) {
-    return absent(c, "fmi2GetIntegerStatus");
+    return fmi2_absent(c, "fmi2GetIntegerStatus");
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s,
                                 fmi2Boolean *value) {
     if (s != fmi2Terminated)
-        return absent(c, "fmi2GetBooleanStatus of another kind than terminated");
-    if (!component_may(c, "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED) ||
-        !component_given(c, "fmi2GetBooleanStatus", 1, value))
+        return fmi2_absent(c, "fmi2GetBooleanStatus of another kind than terminated");
+    if (!component_may(OF(c), "fmi2GetBooleanStatus", STEPPING | TERMINATED | FAILED) ||
+        !component_given(OF(c), "fmi2GetBooleanStatus", 1, value))
         return fmi2Error;
     *value = fmi2False;
     return fmi2OK;
@@ -80,25 +82,25 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s,
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s,
                                fmi2String *value) {
-    return absent(c, "fmi2GetStringStatus (steps are never pending)");
+    return fmi2_absent(c, "fmi2GetStringStatus (steps are never pending)");
 }
 
 /* Model exchange: the equations are continuous and have no events. */
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return component_move(c, "fmi2EnterEventMode", EXCHANGING, EVENT);
+    return (fmi2Status)component_move(OF(c), "fmi2EnterEventMode", EXCHANGING, EVENT);
 }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
-    if (!component_may(c, "fmi2NewDiscreteStates", EVENT) ||
-        !component_given(c, "fmi2NewDiscreteStates", 1, eventInfo))
+    if (!component_may(OF(c), "fmi2NewDiscreteStates", EVENT) ||
+        !component_given(OF(c), "fmi2NewDiscreteStates", 1, eventInfo))
         return fmi2Error;
-    *eventInfo = (fmi2EventInfo){0};
+    memset(eventInfo, 0, sizeof *eventInfo);
     return fmi2OK;
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    return component_move(c, "fmi2EnterContinuousTimeMode", EVENT, CONTINUOUS_TIME);
+    return (fmi2Status)component_move(OF(c), "fmi2EnterContinuousTimeMode", EVENT, CONTINUOUS_TIME);
 }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c,
@@ -106,39 +108,39 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c,
                                        fmi2Boolean *enterEventMode,
                                        fmi2Boolean *terminateSimulation) {
     const char *function = "fmi2CompletedIntegratorStep";
-    if (!component_may(c, function, CONTINUOUS_TIME) ||
-        !component_given(c, function, 1, enterEventMode) ||
-        !component_given(c, function, 1, terminateSimulation))
+    if (!component_may(OF(c), function, CONTINUOUS_TIME) ||
+        !component_given(OF(c), function, 1, enterEventMode) ||
+        !component_given(OF(c), function, 1, terminateSimulation))
         return fmi2Error;
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;
 }
 
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    return component_set_time(c, "fmi2SetTime", time);
+    return (fmi2Status)component_set_time(OF(c), "fmi2SetTime", time);
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
-    return component_set_states(c, "fmi2SetContinuousStates", x, nx);
+    return (fmi2Status)component_set_states(OF(c), "fmi2SetContinuousStates", x, nx);
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    return component_get_block(c, "fmi2GetDerivatives", feeddrive_model.der_x,
+    return (fmi2Status)component_get_block(OF(c), "fmi2GetDerivatives", feeddrive_model.der_x,
                                derivatives, nx);
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[],
                                   size_t ni) {
-    return ni ? absent(c, "fmi2GetEventIndicators") : fmi2OK;
+    return ni ? fmi2_absent(c, "fmi2GetEventIndicators") : fmi2OK;
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
-    return component_get_block(c, "fmi2GetContinuousStates", feeddrive_model.x, x,
+    return (fmi2Status)component_get_block(OF(c), "fmi2GetContinuousStates", feeddrive_model.x, x,
                                nx);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[],
                                              size_t nx) {
-    return component_get_nominals(c, "fmi2GetNominalsOfContinuousStates", x_nominal,
+    return (fmi2Status)component_get_nominals(OF(c), "fmi2GetNominalsOfContinuousStates", x_nominal,
                                   nx);
 }

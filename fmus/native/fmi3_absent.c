@@ -4,18 +4,18 @@
 
 #include "fmi3Functions.h"
 
-static fmi3Status absent(fmi3Instance instance, const char *function) {
-    if (!component_may(instance, function, ANY))
+static fmi3Status fmi3_absent(fmi3Instance instance, const char *function) {
+    if (!component_may(OF(instance), function, ANY))
         return fmi3Error;
-    return component_refuse(instance, "%s is not supported", function);
+    return (fmi3Status)component_refuse(OF(instance), "%s is not supported", function);
 }
 
-static fmi3Status no_type(fmi3Instance instance, const char *function,
+static fmi3Status fmi3_no_type(fmi3Instance instance, const char *function,
                           const fmi3ValueReference valueReferences[], size_t n) {
-    if (!component_may(instance, function, ANY) ||
-        !component_given(instance, function, n, valueReferences))
+    if (!component_may(OF(instance), function, ANY) ||
+        !component_given(OF(instance), function, n, valueReferences))
         return fmi3Error;
-    return component_no_type(instance, function, n, n ? valueReferences[0] : 0);
+    return (fmi3Status)component_no_type(OF(instance), function, n, n ? valueReferences[0] : 0);
 }
 
 #define NO_TYPE(Type)                                                            \
@@ -23,14 +23,14 @@ static fmi3Status no_type(fmi3Instance instance, const char *function,
                              const fmi3ValueReference valueReferences[],         \
                              size_t nValueReferences, fmi3##Type values[],       \
                              size_t nValues) {                                   \
-        return no_type(instance, "fmi3Get" #Type, valueReferences,               \
+        return fmi3_no_type(instance, "fmi3Get" #Type, valueReferences,               \
                        nValueReferences);                                        \
     }                                                                            \
     fmi3Status fmi3Set##Type(fmi3Instance instance,                              \
                              const fmi3ValueReference valueReferences[],         \
                              size_t nValueReferences, const fmi3##Type values[], \
                              size_t nValues) {                                   \
-        return no_type(instance, "fmi3Set" #Type, valueReferences,               \
+        return fmi3_no_type(instance, "fmi3Set" #Type, valueReferences,               \
                        nValueReferences);                                        \
     }
 
@@ -49,20 +49,20 @@ fmi3Status fmi3GetBinary(fmi3Instance instance,
                          const fmi3ValueReference valueReferences[],
                          size_t nValueReferences, size_t valueSizes[],
                          fmi3Binary values[], size_t nValues) {
-    return no_type(instance, "fmi3GetBinary", valueReferences, nValueReferences);
+    return fmi3_no_type(instance, "fmi3GetBinary", valueReferences, nValueReferences);
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance instance,
                          const fmi3ValueReference valueReferences[],
                          size_t nValueReferences, const size_t valueSizes[],
                          const fmi3Binary values[], size_t nValues) {
-    return no_type(instance, "fmi3SetBinary", valueReferences, nValueReferences);
+    return fmi3_no_type(instance, "fmi3SetBinary", valueReferences, nValueReferences);
 }
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance,
                                                fmi3ValueReference valueReference,
                                                size_t* nDependencies) {
-    return absent(instance, "fmi3GetNumberOfVariableDependencies");
+    return fmi3_absent(instance, "fmi3GetNumberOfVariableDependencies");
 }
 
 fmi3Status fmi3GetVariableDependencies(fmi3Instance instance,
@@ -72,7 +72,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance,
                                        size_t elementIndicesOfIndependents[],
                                        fmi3DependencyKind dependencyKinds[],
                                        size_t nDependencies) {
-    return absent(instance, "fmi3GetVariableDependencies");
+    return fmi3_absent(instance, "fmi3GetVariableDependencies");
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
@@ -82,7 +82,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
                                         size_t nKnowns, const fmi3Float64 seed[],
                                         size_t nSeed, fmi3Float64 sensitivity[],
                                         size_t nSensitivity) {
-    return absent(instance, "fmi3GetDirectionalDerivative");
+    return fmi3_absent(instance, "fmi3GetDirectionalDerivative");
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
@@ -92,22 +92,22 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
                                     size_t nKnowns, const fmi3Float64 seed[],
                                     size_t nSeed, fmi3Float64 sensitivity[],
                                     size_t nSensitivity) {
-    return absent(instance, "fmi3GetAdjointDerivative");
+    return fmi3_absent(instance, "fmi3GetAdjointDerivative");
 }
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
-    return absent(instance, "fmi3EnterConfigurationMode");
+    return fmi3_absent(instance, "fmi3EnterConfigurationMode");
 }
 
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
-    return absent(instance, "fmi3ExitConfigurationMode");
+    return fmi3_absent(instance, "fmi3ExitConfigurationMode");
 }
 
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance,
                                   const fmi3ValueReference valueReferences[],
                                   size_t nValueReferences,
                                   const fmi3Float64 intervals[]) {
-    return absent(instance, "fmi3SetIntervalDecimal");
+    return fmi3_absent(instance, "fmi3SetIntervalDecimal");
 }
 
 fmi3Status fmi3SetIntervalFraction(fmi3Instance instance,
@@ -115,14 +115,14 @@ fmi3Status fmi3SetIntervalFraction(fmi3Instance instance,
                                    size_t nValueReferences,
                                    const fmi3UInt64 counters[],
                                    const fmi3UInt64 resolutions[]) {
-    return absent(instance, "fmi3SetIntervalFraction");
+    return fmi3_absent(instance, "fmi3SetIntervalFraction");
 }
 
 fmi3Status fmi3SetShiftDecimal(fmi3Instance instance,
                                const fmi3ValueReference valueReferences[],
                                size_t nValueReferences,
                                const fmi3Float64 shifts[]) {
-    return absent(instance, "fmi3SetShiftDecimal");
+    return fmi3_absent(instance, "fmi3SetShiftDecimal");
 }
 
 fmi3Status fmi3SetShiftFraction(fmi3Instance instance,
@@ -130,11 +130,11 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance,
                                 size_t nValueReferences,
                                 const fmi3UInt64 counters[],
                                 const fmi3UInt64 resolutions[]) {
-    return absent(instance, "fmi3SetShiftFraction");
+    return fmi3_absent(instance, "fmi3SetShiftFraction");
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
-    return absent(instance, "fmi3EvaluateDiscreteStates");
+    return fmi3_absent(instance, "fmi3EvaluateDiscreteStates");
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
@@ -142,17 +142,17 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
                                     size_t nValueReferences,
                                     const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
-    return absent(instance, "fmi3GetOutputDerivatives");
+    return fmi3_absent(instance, "fmi3GetOutputDerivatives");
 }
 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance instance,
                                       fmi3ValueReference clockReference,
                                       fmi3Float64 activationTime) {
-    return absent(instance, "fmi3ActivateModelPartition");
+    return fmi3_absent(instance, "fmi3ActivateModelPartition");
 }
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance,
                                   fmi3Float64 eventIndicators[],
                                   size_t nEventIndicators) {
-    return nEventIndicators ? absent(instance, "fmi3GetEventIndicators") : fmi3OK;
+    return nEventIndicators ? fmi3_absent(instance, "fmi3GetEventIndicators") : fmi3OK;
 }

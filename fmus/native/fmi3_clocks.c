@@ -12,7 +12,7 @@
 #define M feeddrive_model
 
 /* Tell whether the references are clocks, each with a place in two more arrays. */
-static int may(Component *c, const char *function, int phases,
+static int may_clock(Component *c, const char *function, int phases,
                const fmi3ValueReference references[], size_t n, const void *one,
                const void *other) {
     if (!component_may(c, function, phases) ||
@@ -21,7 +21,7 @@ static int may(Component *c, const char *function, int phases,
         !component_given(c, function, n, other))
         return 0;
     for (size_t i = 0; i < n; i++) {
-        if (!M.continuous && references[i] == M.size)
+        if (M.clock && references[i] == M.size)
             continue;
         if (references[i] < M.size)
             component_no_type(c, function, 1, references[i]);
@@ -36,20 +36,20 @@ static int may(Component *c, const char *function, int phases,
 fmi3Status fmi3GetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, fmi3Clock values[]) {
-    Component *c = instance;
-    if (!may(c, "fmi3GetClock", ANY, valueReferences, nValueReferences, values,
+    Component *c = OF(instance);
+    if (!may_clock(c, "fmi3GetClock", ANY, valueReferences, nValueReferences, values,
              values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
-        values[i] = c->simulation.state->ticking != 0;
+        values[i] = c->simulation.state.ticking != 0;
     return fmi3OK;
 }
 
 fmi3Status fmi3SetClock(fmi3Instance instance,
                         const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, const fmi3Clock values[]) {
-    Component *c = instance;
-    if (!may(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences, values,
+    Component *c = OF(instance);
+    if (!may_clock(c, "fmi3SetClock", EVENT, valueReferences, nValueReferences, values,
              values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
@@ -61,7 +61,7 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance,
                                   const fmi3ValueReference valueReferences[],
                                   size_t nValueReferences, fmi3Float64 intervals[],
                                   fmi3IntervalQualifier qualifiers[]) {
-    if (!may(instance, "fmi3GetIntervalDecimal", ANY, valueReferences,
+    if (!may_clock(OF(instance), "fmi3GetIntervalDecimal", ANY, valueReferences,
              nValueReferences, intervals, qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
@@ -76,9 +76,9 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
                                    size_t nValueReferences, fmi3UInt64 counters[],
                                    fmi3UInt64 resolutions[],
                                    fmi3IntervalQualifier qualifiers[]) {
-    if (!may(instance, "fmi3GetIntervalFraction", ANY, valueReferences,
+    if (!may_clock(OF(instance), "fmi3GetIntervalFraction", ANY, valueReferences,
              nValueReferences, counters, resolutions) ||
-        !component_given(instance, "fmi3GetIntervalFraction", nValueReferences,
+        !component_given(OF(instance), "fmi3GetIntervalFraction", nValueReferences,
                          qualifiers))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
@@ -92,7 +92,7 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
 fmi3Status fmi3GetShiftDecimal(fmi3Instance instance,
                                const fmi3ValueReference valueReferences[],
                                size_t nValueReferences, fmi3Float64 shifts[]) {
-    if (!may(instance, "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences,
+    if (!may_clock(OF(instance), "fmi3GetShiftDecimal", ANY, valueReferences, nValueReferences,
              shifts, shifts))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++)
@@ -104,7 +104,7 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
                                 const fmi3ValueReference valueReferences[],
                                 size_t nValueReferences, fmi3UInt64 counters[],
                                 fmi3UInt64 resolutions[]) {
-    if (!may(instance, "fmi3GetShiftFraction", ANY, valueReferences,
+    if (!may_clock(OF(instance), "fmi3GetShiftFraction", ANY, valueReferences,
              nValueReferences, counters, resolutions))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
@@ -115,11 +115,11 @@ fmi3Status fmi3GetShiftFraction(fmi3Instance instance,
 }
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
-    return component_leave_events(instance, "fmi3EnterStepMode");
+    return (fmi3Status)component_leave_events(OF(instance), "fmi3EnterStepMode");
 }
 
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
-    return component_enter_events(instance, "fmi3EnterEventMode");
+    return (fmi3Status)component_enter_events(OF(instance), "fmi3EnterEventMode");
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
@@ -130,15 +130,15 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance,
                                     fmi3Boolean *nextEventTimeDefined,
                                     fmi3Float64 *nextEventTime) {
     const char *function = "fmi3UpdateDiscreteStates";
-    if (!component_may(instance, function, EVENT) ||
-        !component_given(instance, function, 1, discreteStatesNeedUpdate) ||
-        !component_given(instance, function, 1, terminateSimulation) ||
-        !component_given(instance, function, 1, nominalsOfContinuousStatesChanged) ||
-        !component_given(instance, function, 1, valuesOfContinuousStatesChanged) ||
-        !component_given(instance, function, 1, nextEventTimeDefined))
+    if (!component_may(OF(instance), function, EVENT) ||
+        !component_given(OF(instance), function, 1, discreteStatesNeedUpdate) ||
+        !component_given(OF(instance), function, 1, terminateSimulation) ||
+        !component_given(OF(instance), function, 1, nominalsOfContinuousStatesChanged) ||
+        !component_given(OF(instance), function, 1, valuesOfContinuousStatesChanged) ||
+        !component_given(OF(instance), function, 1, nextEventTimeDefined))
         return fmi3Error;
     *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = *valuesOfContinuousStatesChanged = fmi3False;
     *nextEventTimeDefined = fmi3False;
-    return component_update(instance, function);
+    return (fmi3Status)component_update(OF(instance), function);
 }

@@ -31,7 +31,7 @@ static unsigned size_of(fmi3ValueReference reference) {
 static fmi3Status all_used(Component *c, const char *function, size_t left) {
     if (!left)
         return fmi3OK;
-    return component_refuse(c, "%s: %lu values more than the variables have",
+    return (fmi3Status)component_refuse(c, "%s: %lu values more than the variables have",
                             function, (unsigned long)left);
 }
 
@@ -40,20 +40,20 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance,
                           size_t nValueReferences, fmi3Float64 values[],
                           size_t nValues) {
     const char *function = "fmi3GetFloat64";
-    if (!component_may(instance, function, ANY) ||
-        !component_given(instance, function, nValueReferences, valueReferences) ||
-        !component_given(instance, function, nValues, values))
+    if (!component_may(OF(instance), function, ANY) ||
+        !component_given(OF(instance), function, nValueReferences, valueReferences) ||
+        !component_given(OF(instance), function, nValues, values))
         return fmi3Error;
-    const double *from = component_values(instance);
+    const double *from = component_values(OF(instance));
     for (size_t i = 0; i < nValueReferences; i++) {
-        const Variable *v = whole(instance, function, valueReferences[i], 0, nValues);
+        const Variable *v = whole(OF(instance), function, valueReferences[i], 0, nValues);
         if (!v)
             return fmi3Error;
         for (unsigned k = 0; k < v->size; k++)
             *values++ = from[v->reference + k];
         nValues -= v->size;
     }
-    return all_used(instance, function, nValues);
+    return all_used(OF(instance), function, nValues);
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance,
@@ -62,22 +62,22 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance,
                           size_t nValues) {
     const char *function = "fmi3SetFloat64";
     const fmi3Float64 *next = values;
-    if (!component_may(instance, function, SOUND) ||
-        !component_given(instance, function, nValueReferences, valueReferences) ||
-        !component_given(instance, function, nValues, values))
+    if (!component_may(OF(instance), function, SOUND) ||
+        !component_given(OF(instance), function, nValueReferences, valueReferences) ||
+        !component_given(OF(instance), function, nValues, values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
-        const Variable *v = whole(instance, function, valueReferences[i], 0, nValues);
-        if (!v || !component_may_set(instance, function, v, next, v->size))
+        const Variable *v = whole(OF(instance), function, valueReferences[i], 0, nValues);
+        if (!v || !component_may_set(OF(instance), function, v, next, v->size))
             return fmi3Error;
         next += v->size;
         nValues -= v->size;
     }
-    if (all_used(instance, function, nValues) != fmi3OK)
+    if (all_used(OF(instance), function, nValues) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         unsigned size = size_of(valueReferences[i]);
-        component_set(instance, valueReferences[i], values, size);
+        component_set(OF(instance), valueReferences[i], values, size);
         values += size;
     }
     return fmi3OK;
@@ -88,20 +88,20 @@ fmi3Status fmi3GetBoolean(fmi3Instance instance,
                           size_t nValueReferences, fmi3Boolean values[],
                           size_t nValues) {
     const char *function = "fmi3GetBoolean";
-    if (!component_may(instance, function, ANY) ||
-        !component_given(instance, function, nValueReferences, valueReferences) ||
-        !component_given(instance, function, nValues, values))
+    if (!component_may(OF(instance), function, ANY) ||
+        !component_given(OF(instance), function, nValueReferences, valueReferences) ||
+        !component_given(OF(instance), function, nValues, values))
         return fmi3Error;
-    const double *from = component_values(instance);
+    const double *from = component_values(OF(instance));
     for (size_t i = 0; i < nValueReferences; i++) {
-        const Variable *v = whole(instance, function, valueReferences[i], 1, nValues);
+        const Variable *v = whole(OF(instance), function, valueReferences[i], 1, nValues);
         if (!v)
             return fmi3Error;
         for (unsigned k = 0; k < v->size; k++)
             *values++ = from[v->reference + k] != 0;
         nValues -= v->size;
     }
-    return all_used(instance, function, nValues);
+    return all_used(OF(instance), function, nValues);
 }
 
 fmi3Status fmi3SetBoolean(fmi3Instance instance,
@@ -109,23 +109,23 @@ fmi3Status fmi3SetBoolean(fmi3Instance instance,
                           size_t nValueReferences, const fmi3Boolean values[],
                           size_t nValues) {
     const char *function = "fmi3SetBoolean";
-    if (!component_may(instance, function, SOUND) ||
-        !component_given(instance, function, nValueReferences, valueReferences) ||
-        !component_given(instance, function, nValues, values))
+    if (!component_may(OF(instance), function, SOUND) ||
+        !component_given(OF(instance), function, nValueReferences, valueReferences) ||
+        !component_given(OF(instance), function, nValues, values))
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
-        const Variable *v = whole(instance, function, valueReferences[i], 1, nValues);
-        if (!v || !component_may_set(instance, function, v, NULL, 0))
+        const Variable *v = whole(OF(instance), function, valueReferences[i], 1, nValues);
+        if (!v || !component_may_set(OF(instance), function, v, NULL, 0))
             return fmi3Error;
         nValues -= v->size;
     }
-    if (all_used(instance, function, nValues) != fmi3OK)
+    if (all_used(OF(instance), function, nValues) != fmi3OK)
         return fmi3Error;
     for (size_t i = 0; i < nValueReferences; i++) {
         unsigned size = size_of(valueReferences[i]);
         for (unsigned k = 0; k < size; k++) {
             double number = *values++ ? 1.0 : 0.0;
-            component_set(instance, valueReferences[i] + k, &number, 1);
+            component_set(OF(instance), valueReferences[i] + k, &number, 1);
         }
     }
     return fmi3OK;

@@ -33,6 +33,7 @@ typedef struct {
 /* One delayed element of an input and the parameter with its dead time (s). */
 typedef struct {
     unsigned input, dead_time;
+    unsigned capacity; /* changes that fit into its line from the start */
 } Delay;
 
 typedef struct {
@@ -45,6 +46,7 @@ typedef struct {
     unsigned u, y, x, der_x, T_s; /* first reference of each block */
     unsigned n_u, n_y, n_x, n_d;
     int continuous;
+    int clock; /* the model has an input clock; sampled */
     double h_max;                     /* longest substep (s); continuous */
     long long period_num, period_den; /* T_s as a fraction (s); sampled */
     const Delay *delays;
@@ -54,5 +56,11 @@ typedef struct {
 } Model;
 
 extern const Model feeddrive_model;
+
+#ifdef FEEDDRIVE_INSTANCES /* no heap, but a pool of that many places */
+#include <stddef.h>
+extern double feeddrive_pool[];
+extern const size_t feeddrive_place; /* doubles of one place */
+#endif
 
 #endif

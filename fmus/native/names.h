@@ -30,6 +30,7 @@
 #define component_new                 OWN(component_new)
 #define component_no_type             OWN(component_no_type)
 #define component_refuse              OWN(component_refuse)
+#define component_reserve             OWN(component_reserve)
 #define component_reset               OWN(component_reset)
 #define component_set                 OWN(component_set)
 #define component_set_logging         OWN(component_set_logging)
@@ -43,26 +44,42 @@
 #define delay_enter                   OWN(delay_enter)
 #define delay_free                    OWN(delay_free)
 #define delay_next                    OWN(delay_next)
+#define delay_reserve                 OWN(delay_reserve)
 #define delay_reset                   OWN(delay_reset)
 #define feeddrive_model               OWN(feeddrive_model)
+#define feeddrive_place               OWN(feeddrive_place)
+#define feeddrive_pool                OWN(feeddrive_pool)
+#define memory_give                   OWN(memory_give)
+#define memory_more                   OWN(memory_more)
+#define memory_release                OWN(memory_release)
+#define memory_take                   OWN(memory_take)
 #define simulation_activate           OWN(simulation_activate)
-#define simulation_allocate           OWN(simulation_allocate)
 #define simulation_bad_delay          OWN(simulation_bad_delay)
 #define simulation_begin              OWN(simulation_begin)
 #define simulation_effort             OWN(simulation_effort)
 #define simulation_free               OWN(simulation_free)
 #define simulation_not_finite         OWN(simulation_not_finite)
+#define simulation_place              OWN(simulation_place)
 #define simulation_refresh            OWN(simulation_refresh)
+#define simulation_reserve            OWN(simulation_reserve)
 #define simulation_reset              OWN(simulation_reset)
+#define simulation_size               OWN(simulation_size)
 #define simulation_step               OWN(simulation_step)
 #define simulation_tick               OWN(simulation_tick)
+#define simulation_values             OWN(simulation_values)
 #define snapshot_read                 OWN(snapshot_read)
 #define snapshot_release              OWN(snapshot_release)
 #define snapshot_restore              OWN(snapshot_restore)
 #define snapshot_size                 OWN(snapshot_size)
 #define snapshot_take                 OWN(snapshot_take)
 #define snapshot_write                OWN(snapshot_write)
-#define state_size                    OWN(state_size)
+#endif
+
+#if defined(__GNUC__) /* FMI prescribes arguments that nobody needs */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+#if defined(__clang__) /* and declares callbacks as () */
+#pragma clang diagnostic ignored "-Wstrict-prototypes"
 #endif
 
 #endif

@@ -21,8 +21,9 @@ const Variable *component_find(Component *c, const char *function,
 }
 
 /* Phases in which a variable can be set, and why not in others. */
-static int settable(const Variable *v, const char **why) {
+static int settable(const Component *c, const Variable *v, const char **why) {
     const int before = INSTANTIATED | INITIALIZING;
+    const int exchange = c->model_exchange ? EXCHANGING : 0;
     if (v->constant || v->block == PERIOD) {
         *why = "it is a constant";
         return 0;
@@ -35,10 +36,11 @@ static int settable(const Variable *v, const char **why) {
                           "initialization"
                         : "tunable parameters are set before initialization ends, "
                           "between steps or in event mode";
-        return v->fixed ? before : before | STEPPING | EVENT;
+        return v->fixed ? before : before | STEPPING | EVENT | exchange;
     case STATE:
-        *why = "states are set before or during initialization";
-        return before;
+        *why = "states are set before or during initialization, in model exchange "
+               "at any time";
+        return before | exchange;
     case TIME:
         *why = "it is the time";
         return 0;
@@ -48,10 +50,23 @@ static int settable(const Variable *v, const char **why) {
     }
 }
 
+/* Make room for a dead time that is raised while the simulation runs. */
+static int fits_lines(Component *c, const char *function, const Variable *v,
+                      const double *values) {
+    unsigned i;
+    if (!(c->simulation.state.phase & RUNNING))
+        return 1;
+    for (i = 0; i < M.n_delays; i++)
+        if (M.delays[i].dead_time == v->reference &&
+            !component_reserve(c, function, i, values[0]))
+            return 0;
+    return 1;
+}
+
 int component_may_set(Component *c, const char *function,
                       const Variable *variable, const double *values, size_t n) {
     const char *why = "the simulation is over";
-    if (!(settable(variable, &why) & c->simulation.state->phase)) {
+    if (!(settable(c, variable, &why) & c->simulation.state.phase)) {
         component_refuse(c, "%s: %s cannot be set now: %s", function, variable->name,
                          why);
         return 0;
@@ -63,13 +78,13 @@ int component_may_set(Component *c, const char *function,
             return 0;
         }
     }
-    return 1;
+    return fits_lines(c, function, variable, values);
 }
 
 void component_set(Component *c, unsigned reference, const double *values,
                    size_t n) {
-    State *state = c->simulation.state;
-    memcpy(state->values + reference, values, n * sizeof(double));
+    State *state = &c->simulation.state;
+    memcpy(c->simulation.values + reference, values, n * sizeof(double));
     if (reference < M.u)
         state->derived_stale = 1;
     if (state->phase != STEPPING)
@@ -77,11 +92,11 @@ void component_set(Component *c, unsigned reference, const double *values,
 }
 
 const double *component_values(Component *c) {
-    const State *state = c->simulation.state;
+    const State *state = &c->simulation.state;
     int holds = state->phase == EVENT && c->simulation.clocked && !state->ticking;
     if (state->phase & (INSTANTIATED | INITIALIZING | EXCHANGING) && !holds)
         simulation_refresh(&c->simulation);
-    return c->simulation.state->values;
+    return c->simulation.values;
 }
 
 int component_no_type(Component *c, const char *function, size_t n,
@@ -103,7 +118,7 @@ int component_set_time(Component *c, const char *function, double time) {
         return STATUS_ERROR;
     if (!isfinite(time))
         return component_refuse(c, "%s: time cannot be %g", function, time);
-    c->simulation.state->values[M.size - 1] = time;
+    c->simulation.values[M.size - 1] = time;
     return STATUS_OK;
 }
 
@@ -132,8 +147,8 @@ int component_set_states(Component *c, const char *function, const double *x,
                 c, "%s: %s cannot be %g; a finite value was expected", function,
                 M.variables[M.variable_of[M.x + i]].name, x[i]);
     if (n)
-        memcpy(c->simulation.state->values + M.x, x, n * sizeof(double));
-    c->simulation.state->outputs_stale = 1;
+        memcpy(c->simulation.values + M.x, x, n * sizeof(double));
+    c->simulation.state.outputs_stale = 1;
     return STATUS_OK;
 }
 

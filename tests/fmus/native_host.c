@@ -7,7 +7,9 @@
        steps N times and checks that the counter READ goes up by MINIMUM to
        MAXIMUM in every step; prints its last value.  NOISE: exact (t = k h),
        sum (t += h), more and less (h (1 +- 1e-12), t summed), jitter (t = k h,
-       h more or less by turns), difference (h = t_next - t)
+       h more or less by turns), difference (h = t_next - t), nanoseconds (h and
+       t whole ones), long and short (h (1 +- 1e-5), t summed), half (two steps
+       of h/2 are one of the N; t summed)
    native_host LIBRARY TOKEN churn N
        creates, steps and frees N instances; prints the growth of memory in
        pages after the first tenth
@@ -91,6 +93,16 @@ static void count(fmi2Component c, char **a) {
         h *= 1 + 1e-12;
     if (!strcmp(noise, "less"))
         h *= 1 - 1e-12;
+    if (!strcmp(noise, "long"))
+        h *= 1 + 1e-5;
+    if (!strcmp(noise, "short"))
+        h *= 1 - 1e-5;
+    long nanoseconds = strcmp(noise, "nanoseconds") ? 0 : (long)(h * 1e9 + 0.5);
+    if (nanoseconds)
+        h = nanoseconds / 1e9;
+    int half = !strcmp(noise, "half");
+    if (half)
+        h /= 2;
     fmi2DoStepTYPE *step = FIND(fmi2DoStep);
     fmi2GetRealTYPE *get = FIND(fmi2GetReal);
     check(get(c, &read, 1, &before), "get");
@@ -102,6 +114,12 @@ static void count(fmi2Component c, char **a) {
             now = h * (k % 2 ? 1 + 1e-12 : 1 - 1e-12);
         if (difference)
             now = (double)((k + 1) * num) / den - t;
+        if (nanoseconds)
+            t = (double)(k * nanoseconds) / 1e9;
+        if (half) {
+            check(step(c, t, now, 1), "half a step");
+            t += h;
+        }
         check(step(c, t, now, 1), "step");
         check(get(c, &read, 1, &after), "get");
         if (after - before < minimum || after - before > maximum) {
