@@ -102,7 +102,7 @@ def _operation(text: str) -> str:
     if match := _UNARY.fullmatch(text):
         return f"-{match[2]}" if match[1] == "-" else f"negated({match[2]})"
     if match := _CALL.fullmatch(text):
-        name = match[1].removeprefix("casadi_")
+        name = match[1].removeprefix("casadi_").removeprefix("own_")
         rest = f", {match[3]}" if match[3] else ""
         return f"v_{name}({match[2]}{rest})"
     raise Unreadable(f"generated equations hold an unknown operation: {text}")

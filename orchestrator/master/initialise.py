@@ -36,7 +36,7 @@ def initialise(
     for name, part in wiring.parts.items():
         _begin(part, instances[name], vector)
     order, opened = initial_order(wiring)
-    unknown = _places(wiring, opened)
+    unknown = places_opened(wiring, opened)
     if unknown:
         _solve(wiring, instances, vector, order, unknown, opened)
     else:
@@ -58,7 +58,7 @@ def _begin(part: Part, instance: Instance, vector: Vector) -> None:
     store(vector, part.first_input, part.inputs, instance.read(part.inputs))
 
 
-def _places(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
+def places_opened(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
     """Return the copies that carry the opened edges, by their place of arrival."""
     pairs = {(e.source, e.sink) for e in opened}
     return {
