@@ -39,12 +39,14 @@ class Equations:
     """A model's equations as C statements on ``V``, and the numbers beside them.
 
     ``functions`` are statements on ``arg`` and ``res``, by name; ``numbers`` the
-    fields of ``Model`` in ``model.h`` that are numbers; ``delays`` the references
-    of each delayed input, of its dead time, and the room its line has.
+    fields of ``Model`` in ``model.h`` that are numbers; ``start`` the values by
+    reference; ``delays`` the references of each delayed input, of its dead time,
+    and the room its line has.
     """
 
     functions: Mapping[str, tuple[str, ...]]
     numbers: Mapping[str, float]
+    start: tuple[float, ...]
     delays: tuple[tuple[int, int, int], ...]
 
     def __getitem__(self, name: str) -> int:
@@ -62,12 +64,14 @@ def read_equations(source: str) -> Equations:
     table = source.partition("const Model feeddrive_model = {")[2]
     numbers = {name: float(value) for value, name in _FIELD.findall(table)}
     delays = source.partition("Delay delays[] = {")[2].partition("};")[0]
+    start = source.partition("double start[] = {")[2].partition("};")[0]
     if "n_d" not in numbers or not entries:
         raise Unreadable("the table of the model is in no form that is known")
     found = [tuple(map(int, row)) for row in _DELAY.findall(delays)]
     return Equations(
         {n: tuple(_statements(bodies[entries[n]])) for n in EQUATIONS if n in entries},
         numbers,
+        tuple(map(float, filter(None, re.split(r"[,\s]+", start)))),
         tuple((u, tau, room) for u, tau, room in found[: int(numbers["n_delays"])]),
     )
 

@@ -60,8 +60,7 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
     class Rows(ctypes.Structure):
         _fields_: ClassVar[Any] = [("values", c_void_p), ("count", c_int64)]
 
-    head = _whole(56, lanes) + 8 * lanes + 12 * lanes
-    head += -head % 8 if lanes == 1 else 0
+    engine_size = _whole(56, lanes) + 8 * lanes + _even(4 * lanes) + 8 * lanes + 16
 
     class Engine(ctypes.Structure):
         _fields_: ClassVar[Any] = [
@@ -79,6 +78,7 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
             ("failure", c_int32),
             ("part", c_int32),
             ("instant", c_int64),
+            *_padding(engine_size, lanes),
         ]
 
     return Instance, Line, Faulty, Rows, Engine
@@ -86,6 +86,10 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
 
 def _whole(size: int, lanes: int) -> int:
     return size + -size % (8 * lanes)
+
+
+def _even(size: int) -> int:
+    return size + -size % 8
 
 
 def _padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]]:

@@ -303,10 +303,9 @@ def _model(own: Own, often: bool) -> Iterator[str]:
     equations, name = own.equations, own.function
     for equation, statements in equations.functions.items():
         called = {"step": "tick"}.get(equation, equation)
-        yield (
-            f"static inline void {name}_{called}"
-            f"(const V *const *arg, V *const *res) {{"
-        )
+        # carried out once: nothing is gained by optimising it, minutes may be lost
+        how = "ONCE" if equation == "prepare" else "static inline"
+        yield f"{how} void {name}_{called}(const V *const *arg, V *const *res) {{"
         yield "    (void)arg, (void)res;"
         yield from (f"    {line}" for line in statements)
         yield "}"

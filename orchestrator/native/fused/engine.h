@@ -12,6 +12,7 @@
 #define PASTE(a, b) PASTE_(a, b)
 #define PASTE_(a, b) a##b
 #define NEVER_INLINE __attribute__((noinline))
+#define ONCE static __attribute__((noinline, optnone))
 #ifdef _WIN32
 #define EXPORTED __declspec(dllexport)
 #else

@@ -1,0 +1,211 @@
+"""Many runs of one structure at once, a member in each lane of a vector.
+
+A member differs from the system in parameters and start values of its components;
+programs, rates, latencies, faults and dead times are those of all.  Every member
+has the bits of a run of its own.  A member that fails is named with its reason,
+the others go on; members whose delayed inputs part company run one by one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from ctypes import byref
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import SimulationError
+from orchestrator.master.fused.executor import (
+    APART,
+    LINE_FULL,
+    fusible,
+    not_finite,
+)
+from orchestrator.master.fused.library import load
+from orchestrator.master.fused.memory import Memory, aligned
+from orchestrator.master.fused.source import Own, Source
+from orchestrator.master.layout import Column
+from orchestrator.master.timetable import Timetable, table_name
+from orchestrator.result import Signal
+
+FloatArray = NDArray[np.float64]
+UNSETTLED = 4
+MEMORY = 1 << 30  # bytes of rows at most
+Overrides = Mapping[str, Mapping[int, float]]  # component, reference -> value
+
+
+@dataclass(frozen=True)
+class Member:
+    """One run: its recorded signals, or why there are none."""
+
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    failure: SimulationError | None = None
+
+
+class Lanes:
+    """Runs members of a timetable's system ``width`` at a time.
+
+    Raises:
+        SimulationError: a component cannot be in lanes; the message says which.
+    """
+
+    def __init__(
+        self, timetable: Timetable, signals: frozenset[str], width: int
+    ) -> None:
+        self._timetable, self.width = timetable, width
+        wiring = timetable.wiring
+        found, whys = fusible(wiring.parts)
+        if whys:
+            raise SimulationError(
+                "lanes: "
+                + "; ".join(f"{name} {why}" for name, why in whys.items())
+                + "; its members run one by one"
+            )
+        self._columns: dict[str, list[Column]] = {
+            table_name(period): [c for c in columns if c.name in signals]
+            for period, columns in wiring.tables.items()
+        }
+        self._times = {
+            name: _times(timetable, name) for name, of in self._columns.items() if of
+        }
+        size = sum(len(t) * len(self._columns[n]) for n, t in self._times.items())
+        if 8 * size * width > MEMORY:
+            raise SimulationError(
+                f"lanes: {size:,} recorded numbers of each of {width} members do not "
+                f"fit; record less often; its members run one by one"
+            )
+        places = {n: [c.index for c in of] for n, of in self._columns.items()}
+        self._source = Source(timetable, found, places)
+        self._text = self._source.text()
+        self._base = {n: _base(own) for n, own in self._source.own.items()}
+
+    def run(self, members: Sequence[Overrides]) -> Iterator[Member]:
+        """Yield every member's signals or failure, in order."""
+        for group in self._grouped(members):
+            yield from self._run(group, self.width)
+
+    def _grouped(self, members: Sequence[Overrides]) -> Iterator[Sequence[Overrides]]:
+        """Yield members that fit into one vector: dead times are equal there."""
+        group: list[Overrides] = []
+        last: tuple[float, ...] = ()
+        for member in members:
+            times = self._dead_times(member)
+            if group and (times != last or len(group) == self.width):
+                yield group
+                group = []
+            group.append(member)
+            last = times
+        if group:
+            yield group
+
+    def _dead_times(self, member: Overrides) -> tuple[float, ...]:
+        return tuple(
+            member.get(name, {}).get(tau, float(self._base[name][tau]))
+            for name, own in self._source.own.items()
+            for _, tau, _ in own.equations.delays
+        )
+
+    def _run(self, group: Sequence[Overrides], width: int) -> Iterator[Member]:
+        rows = {
+            name: aligned((len(times), len(self._columns[name]), width))
+            for name, times in self._times.items()
+        }
+        vector = aligned((max(1, self._timetable.wiring.size), width))
+        memory = Memory(self._source, width, vector, rows)
+        self._fill(memory, group, width)
+        library = load(self._text, width)
+        engine = memory.engine
+        if library.engine_start(byref(engine)):
+            self._all_instants(library, engine)
+        if engine.failure == APART and width > 1:
+            for member in group:
+                yield from self._run([member], 1)
+            return
+        for lane in range(len(group)):
+            failure = self._failure(memory, lane, width)
+            if failure is not None:
+                yield Member(failure=failure)
+            else:
+                yield Member(self._signals(rows, lane))
+
+    def _fill(self, memory: Memory, group: Sequence[Overrides], width: int) -> None:
+        for name, own in self._source.own.items():
+            values = memory.values[name]
+            values[: len(self._base[name])] = self._base[name][:, None]
+            for lane in range(width):
+                member = group[min(lane, len(group) - 1)]  # the last fills up
+                for reference, value in member.get(name, {}).items():
+                    values[reference, lane] = value
+            memory.make_lines(own)
+
+    def _all_instants(self, library: Any, engine: Any) -> None:
+        for stretch in self._timetable.stretches():
+            offsets = np.array(stretch.offsets, np.int64)
+            numbers = [self._source.programs[p] for p in stretch.entries]
+            programs = np.array(numbers, np.int32)
+            total = len(offsets) * stretch.repeats
+            done = library.engine_run(
+                byref(engine),
+                stretch.first,
+                stretch.length,
+                offsets.ctypes.data,
+                programs.ctypes.data,
+                len(offsets),
+                0,
+                total,
+            )
+            if done < total:
+                return
+
+    def _failure(self, memory: Memory, lane: int, width: int) -> SimulationError | None:
+        engine = memory.engine
+        schedule = self._timetable.schedule
+        if engine.failure == UNSETTLED:
+            return SimulationError("initialisation: a circle settles by no substitution")
+        if engine.failure == LINE_FULL:
+            name = self._source.parts[engine.part]
+            return SimulationError(
+                f"{name}: a delayed input changed too often within its dead time"
+            )
+        alive = engine.alive if width == 1 else engine.alive[lane]
+        if alive:
+            return None
+        name = self._source.parts[engine.failed_part[lane]]
+        t = schedule.seconds(engine.failed_at[lane])
+        own = self._source.own[name]
+        return not_finite(own, memory.values[name][:, lane], t)
+
+    def _signals(self, rows: Mapping[str, FloatArray], lane: int) -> dict[str, Signal]:
+        signals = {}
+        for table, times in self._times.items():
+            for i, column in enumerate(self._columns[table]):
+                values = np.ascontiguousarray(rows[table][:, i, lane])
+                if column.affine.converts:
+                    values = column.affine.gain * values + column.affine.offset
+                signals[column.name] = Signal(column.name, times, values, column.unit)
+        return signals
+
+
+def _base(own: Own) -> FloatArray:
+    """Return a component's values before initialisation, as its FMU would hold them."""
+    values = np.array(own.equations.start[: own.equations["size"]])
+    for variable, given in own.part.start:
+        values[variable.reference : variable.reference + variable.size] = given
+    return values
+
+
+def _times(timetable: Timetable, table: str) -> FloatArray:
+    """Return the instants (s) at which a table has rows."""
+    schedule, found = timetable.schedule, []
+    for stretch in timetable.stretches():
+        due = [
+            offset
+            for offset, program in zip(stretch.offsets, stretch.entries, strict=True)
+            if any(op.code == "row" and op.target == table for op in program)
+        ]
+        begins = stretch.first + stretch.length * np.arange(stretch.repeats)
+        found.append(np.add.outer(begins, np.array(due, np.int64)).ravel())
+    k = np.concatenate(found)
+    tick = schedule.tick
+    times: FloatArray = (k * tick.numerator) / tick.denominator
+    return times
