@@ -29,18 +29,19 @@ def lookup_rows(x: Any, breakpoints: Any, rows: Any, slope: Any = None) -> Any:
     """Interpolate between matrices; shape (r, m).
 
     ``rows`` (n r, m) are the matrices of the n breakpoints one below the other.
-    ``slope`` is what ``slopes`` computed of them in ``prepare``; without it a table
-    of parameters is divided anew at every call, a constant one where it is traced.
+    ``slope`` is what ``slopes`` computed of them in ``prepare``; without it, as for
+    rows that are looked up themselves, differences are taken at every call.
 
     Raises:
         ValueError: fewer than 2 or more than 256 points, or rows left over.
     """
     r = _height(breakpoints, rows)
-    if slope is None:
-        slope = slopes(breakpoints, rows)
     y = rows[:r, :]
-    for i, part, _ in _segments(x, breakpoints):
-        y = y + part * slope[i * r : (i + 1) * r, :]
+    for i, part, width in _segments(x, breakpoints):
+        if slope is None:
+            y = y + part / width * _rise(rows, i, r)
+        else:
+            y = y + part * slope[i * r : (i + 1) * r, :]
     return y
 
 
@@ -51,11 +52,13 @@ def slopes(breakpoints: Any, rows: Any) -> Any:
         ValueError: fewer than 2 or more than 256 points, or rows left over.
     """
     r = _height(breakpoints, rows)
-    parts = []
-    for i in range(_points(breakpoints) - 1):
-        low, high = rows[i * r : (i + 1) * r, :], rows[(i + 1) * r : (i + 2) * r, :]
-        parts.append((high - low) / (breakpoints[i + 1] - breakpoints[i]))
-    return np.concatenate(parts)
+    widths = [width for _, _, width in _segments(breakpoints[0], breakpoints)]
+    return np.concatenate([_rise(rows, i, r) / w for i, w in enumerate(widths)])
+
+
+def _rise(rows: Any, i: int, r: int) -> Any:
+    """Return what a table's matrix i + 1 is more than its matrix i."""
+    return rows[(i + 1) * r : (i + 2) * r, :] - rows[i * r : (i + 1) * r, :]
 
 
 def _segments(x: Any, breakpoints: Any) -> Iterator[tuple[int, Any, Any]]:

@@ -1,35 +1,38 @@
 """Units as FMI knows them: exponents of eight base units, factor and offset.
 
-A unit is written ``V.s2/rad``: ``.`` multiplies, digits after a unit are its
-exponent (a sign may precede them), ``/`` divides by the next factor only, so
-that ``a/b.c`` is ``a.c/b``; parentheses group, ``1`` is no unit.  Names and
-prefixes are those of pint.  A value v in a unit is factor * v + offset in its
-base units (FMI 2.0.5 section 2.2.2; FMI 3.0.2 section 2.4.3).
+A unit is written ``V.s2/rad``: ``.`` multiplies (also ``*``, ``·``, a space, a
+hyphen before a letter), a number after a unit is its exponent (``s-2``, ``s^2``,
+``s**2``, ``s²``), ``/`` divides by the next factor only, so that ``a/b.c`` is
+``a.c/b``; parentheses group, ``1`` is no unit.  A value v in a unit is
+factor * v + offset in its base units (FMI 2.0.5 section 2.2.2; FMI 3.0.2 section
+2.4.3).  Conversions are computed in exact fractions and rounded once.
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
-from decimal import Decimal
+from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fmus import unit_cache
+from fmus import unit_names
+from fmus.unit_names import BASE, Named
 
-FACTOR = re.compile(r"(?P<name>[A-Za-zµμΩ°%_]+)(?P<exponent>[+-]?\d+)?|(?P<one>1)")
-BASE = {
-    "gram": "kg",
-    "meter": "m",
-    "second": "s",
-    "ampere": "A",
-    "kelvin": "K",
-    "mole": "mol",
-    "candela": "cd",
-    "radian": "rad",
-}
+_FACTOR = re.compile(
+    r"(?P<name>[^\W\d_]+|[°%µμΩ]+[^\W\d_]*)"
+    r"(?:(?:\*\*|\^)\(?(?P<power>[+-]?\d+)\)?|(?P<exponent>[+-]?\d+))?|(?P<one>1)"
+)
+_BETWEEN = re.compile(r"\s*(?P<sign>[.·*⋅/])\s*|\s+(?=[\w(°%Ω])|-(?=[^\W\d_])")
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_NO_NAMES: Mapping[str, "BaseUnit"] = {}
 
 
 class UnitError(ValueError):
     """A unit cannot be read, or two units do not measure the same thing."""
+
+
+class TurnError(UnitError):
+    """Of two frequencies one counts radians: a turn may be 1 or 2 pi of the other."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,13 @@ class BaseUnit:
         """The exponents that are not zero, by base unit, in the order of FMI."""
         numbers = zip(fields(self), astuple(self), strict=True)
         named = {field.name: number for field, number in numbers}
-        return {name: named[name] for name in BASE.values() if named[name]}
+        return {name: named[name] for name in BASE if named[name]}
+
+    @property
+    def dimension(self) -> str:
+        """The exponents in words: ``kg.m2.s-2``, ``1`` if there are none."""
+        written = (f"{n}{e if e != 1 else ''}" for n, e in self.exponents.items())
+        return ".".join(written) or "1"
 
 
 class Conversion(NamedTuple):
@@ -67,124 +76,129 @@ class Conversion(NamedTuple):
     ignored_rad: bool
 
 
-class _Unit(NamedTuple):
-    """Exponents by base unit, exact factor and offset."""
+def base_unit(text: str, names: Mapping[str, BaseUnit] = _NO_NAMES) -> BaseUnit:
+    """Return the base units, factor and offset of a unit.
 
-    exponents: dict[str, int]
-    factor: Decimal
-    offset: Decimal
+    ``names`` are those somebody has defined; they go before our own table.
+
+    Raises:
+        UnitError: the text is not a unit of the grammar, a name is unknown, or an
+            offset unit stands in a product.
+    """
+    if text in names:
+        return names[text]
+    return _of_table(text) if names is _NO_NAMES else _read(text, names)
 
 
 @cache
-def base_unit(text: str) -> BaseUnit:
-    """Return the base units, factor and offset of a unit.
+def _of_table(text: str) -> BaseUnit:
+    return _read(text, _NO_NAMES)
 
-    Raises:
-        UnitError: the text is not a unit of the grammar, a name is unknown, the
-            scale is not linear, or an offset unit stands in a product.
-    """
-    unit, rest = _product(text, text)
-    if rest:
-        raise UnitError(f"unit {text!r} cannot be read from {rest!r} on")
+
+def _read(text: str, names: Mapping[str, BaseUnit]) -> BaseUnit:
+    plain = text.translate(_RAISED).strip()
+    whole = unit_names.find(plain)
+    unit = whole or _Grammar(plain, names).unit()
     return BaseUnit(
         **unit.exponents, factor=float(unit.factor), offset=float(unit.offset)
     )
 
 
-def conversion(source: BaseUnit, sink: BaseUnit) -> Conversion:
+def conversion(
+    source: BaseUnit, sink: BaseUnit, *, relative: bool = False
+) -> Conversion:
     """Return how a value in ``source`` becomes one in ``sink``.
+
+    An offset never applies to a ``relative`` quantity, a difference of two values.
 
     Raises:
         UnitError: they differ in a dimension other than the radian.
+        TurnError: they are frequencies, and one of them counts radians.
     """
     mine = source.exponents | {"rad": 0}
     theirs = sink.exponents | {"rad": 0}
     if mine != theirs:
-        raise UnitError(f"{_written(source)} is not {_written(sink)}")
-    scale = Decimal(repr(sink.factor))  # decimals: 1 mm is 1000 um to the last bit
-    gain = Decimal(repr(source.factor)) / scale
-    offset = (Decimal(repr(source.offset)) - Decimal(repr(sink.offset))) / scale
-    return Conversion(float(gain), float(offset), source.rad != sink.rad)
-
-
-def _written(unit: BaseUnit) -> str:
-    return ".".join(f"{n}{e}" for n, e in unit.exponents.items()) or "1"
-
-
-def _product(text: str, whole: str) -> tuple[_Unit, str]:
-    """Read factors up to the end or a closing parenthesis."""
-    unit, rest = _factor(text, whole)
-    while rest[:1] in (".", "/", "·"):
-        sign = -1 if rest[0] == "/" else 1
-        other, rest = _factor(rest[1:], whole)
-        unit = _times(unit, other, sign, whole)
-    return unit, rest
-
-
-def _factor(text: str, whole: str) -> tuple[_Unit, str]:
-    if text.startswith("("):
-        unit, rest = _product(text[1:], whole)
-        if not rest.startswith(")"):
-            raise UnitError(f"unit {whole!r} lacks a closing parenthesis")
-        return unit, rest[1:]
-    match = FACTOR.match(text)
-    if match is None:
-        raise UnitError(f"unit {whole!r} lacks a factor before {text!r}")
-    rest = text[match.end() :]
-    if match["one"]:
-        return _Unit({}, Decimal(1), Decimal(0)), rest
-    unit = _named(match["name"])
-    exponent = int(match["exponent"] or 1)
-    if exponent == 1:
-        return unit, rest
-    if unit.offset:
-        raise UnitError(f"unit {whole!r} raises a unit with an offset to a power")
-    powers = {name: e * exponent for name, e in unit.exponents.items()}
-    return _Unit(powers, unit.factor**exponent, Decimal(0)), rest
-
-
-def _times(a: _Unit, b: _Unit, sign: int, whole: str) -> _Unit:
-    if a.offset or b.offset:
-        raise UnitError(f"unit {whole!r} multiplies a unit with an offset")
-    names = a.exponents.keys() | b.exponents.keys()
-    exponents = {n: a.exponents.get(n, 0) + sign * b.exponents.get(n, 0) for n in names}
-    return _Unit(exponents, a.factor * b.factor**sign, Decimal(0))
-
-
-@cache
-def _registry() -> Any:
-    from pint import UnitRegistry
-
-    return UnitRegistry(non_int_type=Decimal)
-
-
-@cache
-def _named(name: str) -> _Unit:
-    """Return a named unit, from the cache where pint was asked before."""
-    known = unit_cache.read()
-    if name in known:
-        exponents, factor, offset = known[name]
-        return _Unit(exponents, Decimal(factor), Decimal(offset))
-    unit = _look_up(name)
-    unit_cache.add(name, (dict(unit.exponents), str(unit.factor), str(unit.offset)))
-    return unit
-
-
-def _look_up(name: str) -> _Unit:
+        raise UnitError(f"{source.dimension} is not {sink.dimension}")
+    ignored_rad = source.rad != sink.rad
+    if ignored_rad and mine == {"s": -1, "rad": 0}:
+        raise TurnError(f"{source.dimension} is not {sink.dimension}: a turn is 2 pi")
+    scale = _exact(sink.factor)
+    between = Fraction(0) if relative else _exact(source.offset) - _exact(sink.offset)
     try:
-        registry = _registry()
-        zero, one, two = (
-            registry.Quantity(Decimal(n), name).to_root_units() for n in range(3)
-        )
-    except Exception as error:
-        raise UnitError(f"unknown unit {name!r}: {error}") from error
-    roots = {str(n): int(e) for n, e in one.unit_items() if e == int(e)}
-    offset = Decimal(zero.magnitude)
-    factor = Decimal(one.magnitude) - offset
-    if two.magnitude != 2 * factor + offset or len(roots) != len(one.unit_items()):
-        raise UnitError(f"unit {name!r} is not a linear scale of base units")
-    if not roots.keys() <= BASE.keys():
-        raise UnitError(f"unit {name!r} has no SI base units")
-    kilo = Decimal(1000) ** roots.get("gram", 0)
-    exponents = {BASE[root]: e for root, e in roots.items()}
-    return _Unit(exponents, factor / kilo, offset / kilo)
+        gain, offset = float(_exact(source.factor) / scale), float(between / scale)
+    except OverflowError:
+        raise UnitError(f"a factor of {source.factor:g} / {sink.factor:g}") from None
+    return Conversion(gain, offset, ignored_rad)
+
+
+def _exact(number: float) -> Fraction:
+    """Return the decimal that a float stands for: 1 mm is 1000 um to the last bit."""
+    return Fraction(repr(number))
+
+
+class _Grammar:
+    """Reads one unit from left to right."""
+
+    def __init__(self, text: str, names: Mapping[str, BaseUnit]) -> None:
+        self.text, self.rest, self.names = text, text, names
+
+    def unit(self) -> Named:
+        unit = self._product()
+        if self.rest:
+            raise UnitError(f"unit {self.text!r} cannot be read from {self.rest!r} on")
+        return unit
+
+    def _product(self) -> Named:
+        """Read factors up to the end or a closing parenthesis."""
+        unit = self._factor()
+        while match := _BETWEEN.match(self.rest):
+            self.rest = self.rest[match.end() :]
+            unit = self._times(unit, self._factor(), -1 if match["sign"] == "/" else 1)
+        return unit
+
+    def _factor(self) -> Named:
+        if self.rest.startswith("("):
+            self.rest = self.rest[1:]
+            unit = self._product()
+            if not self.rest.startswith(")"):
+                raise UnitError(f"unit {self.text!r} lacks a closing parenthesis")
+            self.rest = self.rest[1:]
+            return unit
+        match = _FACTOR.match(self.rest)
+        if match is None:
+            raise UnitError(f"unit {self.text!r} lacks a factor before {self.rest!r}")
+        self.rest = self.rest[match.end() :]
+        if match["one"]:
+            return Named({})
+        exponent = int(match["power"] or match["exponent"] or 1)
+        squared = f"{match['name']}{exponent}"  # kgm2
+        if exponent != 1 and (spelled := unit_names.find(squared)):
+            return spelled
+        unit = self._named(match["name"])
+        if exponent == 1:
+            return unit
+        if unit_names.is_product(match["name"]):
+            raise UnitError(f"unit {self.text!r}: write a dot between the factors")
+        if unit.offset:
+            raise UnitError(f"unit {self.text!r} raises an offset unit to a power")
+        powers = {name: e * exponent for name, e in unit.exponents.items()}
+        return Named(powers, unit.factor**exponent)
+
+    def _named(self, name: str) -> Named:
+        if name in self.names:
+            known = self.names[name]
+            return Named(known.exponents, _exact(known.factor), _exact(known.offset))
+        unit = unit_names.find(name)
+        if unit is None:
+            of = "" if name == self.text else f" in {self.text!r}"
+            raise UnitError(f"unknown unit {name!r}{of}; {unit_names.nearest(name)}")
+        return unit
+
+    def _times(self, a: Named, b: Named, sign: int) -> Named:
+        if a.offset or b.offset:
+            raise UnitError(f"unit {self.text!r} multiplies a unit with an offset")
+        names = a.exponents.keys() | b.exponents.keys()
+        exponents = {
+            n: a.exponents.get(n, 0) + sign * b.exponents.get(n, 0) for n in names
+        }
+        return Named(exponents, a.factor * b.factor**sign)

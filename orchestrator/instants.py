@@ -7,9 +7,15 @@ what was published last.
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
+from typing import Any
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
+
+MANY = 64
+# the members of a series have their times in one array
+_ASKED: "dict[tuple[int, Instants], tuple[ref[Any], NDArray[np.bool_]]]" = {}
 
 
 @dataclass(frozen=True)
@@ -42,11 +48,18 @@ class Instants:
         """Tell which of the times (n,) of a run, in s, are of these instants."""
         if not len(time):
             return np.zeros(0, dtype=bool)
+        known = _ASKED.get((id(time), self))
+        if known is not None and known[0]() is time:
+            return known[1]
         last = int((Fraction(float(time[-1])) - self.first) / self.period) + 1
         k = np.arange(max(0, last + 1))
         unit = lcm(self.first.denominator, self.period.denominator)
         ticks = int(self.first * unit) + k * int(self.period * unit)
-        return np.isin(time, ticks / unit)
+        found = np.isin(time, ticks / unit)
+        if len(_ASKED) > MANY:
+            _ASKED.clear()
+        _ASKED[id(time), self] = ref(time), found
+        return found
 
     def __str__(self) -> str:
         return f"{self.first} {self.period}"

@@ -1,6 +1,7 @@
 """A finished run with its figures and checks."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from orchestrator.evaluation.expectation import Check
@@ -30,7 +31,7 @@ class Run(Result):
         warnings: tuple[str, ...] = (),
         number: int | None = None,
     ) -> None:
-        super().__init__(result.folder, result.timing)
+        super().__init__(result.folder, result.timing, result.ended)
         self.composition = composition
         self.metrics = metrics
         self.checks = checks
@@ -53,6 +54,7 @@ class Run(Result):
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "diverged": self.diverged,
+            "ended": self.ended and asdict(self.ended),
             "warnings": list(self.warnings),
             "executor": timing and timing.executor,
             "timing": timing

@@ -12,6 +12,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
+from orchestrator.unit import Unit, conversion, unit_of
+
 _SECONDS = {
     "s": Fraction(1),
     "ms": Fraction(1, 10**3),
@@ -123,9 +125,10 @@ class Quantity:
         Raises:
             fmus.units.UnitError: the units have different dimensions.
         """
-        if unit is None or unit == self.unit:
+        if unit is None or (unit == self.unit and not isinstance(unit, Unit)):
             return self
-        return Quantity(converter(self.unit, unit)(self.value), unit)
+        wanted = unit_of(unit).of_difference(unit_of(self.unit).relative)
+        return Quantity(converter(self.unit, wanted)(self.value), wanted)
 
     def __str__(self) -> str:
         return f"{self.value:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
@@ -154,7 +157,7 @@ def parse_quantity(text: str) -> Quantity:
     Raises:
         ValueError: the text does not begin with a number.
     """
-    match = re.fullmatch(rf"\s*({_NUMBER})\s*(\S*)\s*", text)
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*(.*?)\s*", text)
     if match is None:
         raise ValueError(f"{text!r} is not a number with a unit, as in '2.5 mm'")
     return Quantity(float(match[1]), match[2] or "1")
@@ -166,28 +169,5 @@ def converter(source: str, sink: str) -> Callable[[Any], Any]:
     Raises:
         fmus.units.UnitError: the units have different dimensions.
     """
-    from fmus.units import UnitError, base_unit, conversion
-
-    ours, theirs = base_unit(source), base_unit(sink)
-    try:
-        gain, offset, *_ = conversion(ours, theirs)
-    except UnitError:
-        given, wanted = ("a pure number" if u == "1" else u for u in (source, sink))
-        raise UnitError(
-            f"{given} cannot become {wanted}; they measure different quantities"
-        ) from None
+    gain, offset, _ = conversion(source, sink)
     return lambda value: gain * value + offset
-
-
-def product_unit(*units: str) -> str:
-    """Return the unit of a product of quantities, as models write units."""
-    return ".".join(unit for unit in units if unit != "1") or "1"
-
-
-def quotient_unit(above: str, below: str) -> str:
-    """Return the unit of a quotient of two quantities, as models write units."""
-    if below == "1":
-        return above
-    if above == below:
-        return "1"
-    return f"{above}/({below})" if set("./") & set(below) else f"{above}/{below}"

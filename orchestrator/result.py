@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.instants import Instants
 from orchestrator.profile import Profile
+from orchestrator.unit import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,27 +63,42 @@ class Timing:
         return 1e6 * self.wall_s / self.instants if self.instants else 0.0
 
 
+@dataclass(frozen=True)
+class End:
+    """Which component ended a run before its stop, at what time (s), and why."""
+
+    by: str
+    at: float
+    reason: str
+
+    def __str__(self) -> str:
+        return f"ended by {self.by} at t = {self.at:.9g} s: {self.reason}"
+
+
 class Result(Mapping[str, Signal]):
     """Recorded signals by name, read from the files of a run as they are asked for.
 
     ``result["plant.x_2"]`` is a ``Signal``, at its highest rate if there are several.
     ``folder`` holds the tables; ``timing`` is None when a result is opened again.
+    ``ended`` says how an FMU ended the run before its stop, if one did.
     """
 
     def __init__(
         self,
         folder: Path,
         timing: Timing | None = None,
+        ended: End | None = None,
         *,
         period: Fraction | None = None,
     ) -> None:
         self.folder = Path(folder)
         self.timing = timing
+        self.ended = ended
         self._columns = _columns(self.folder, period)
 
     def at(self, period: Fraction) -> "Result":
         """Return what was recorded with that row period (s) alone."""
-        return Result(self.folder, self.timing, period=period)
+        return Result(self.folder, self.timing, self.ended, period=period)
 
     def __getitem__(self, name: str) -> Signal:
         try:
@@ -92,13 +108,13 @@ class Result(Mapping[str, Signal]):
                 f"{name} was not recorded; {did_you_mean(name, self._columns)}"
             ) from None
         table = _read(file, ["time", name])
-        unit = table.schema.field(name).metadata[b"unit"].decode()
-        published = table.schema.field(name).metadata.get(b"published")
+        about = table.schema.field(name).metadata
+        published = about.get(b"published")
         return Signal(
             name,
             _numbers(table["time"]),
             _numbers(table[name]),
-            unit,
+            Unit.from_metadata(about),
             published and Instants.read(published.decode()),
         )
 
@@ -115,6 +131,29 @@ class Result(Mapping[str, Signal]):
         """Return one data frame per row rate, indexed by time (needs pandas)."""
         files = _files(self.folder / "result")
         return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
+
+
+class Recorded(Mapping[str, Signal]):
+    """Recorded signals in memory, as ``Result``: ``tables`` by row period (s)."""
+
+    def __init__(self, tables: Mapping[Fraction, Mapping[str, Signal]]) -> None:
+        self._tables = tables
+        self._signals: dict[str, Signal] = {}
+        for period in sorted(tables):
+            self._signals = {**tables[period], **self._signals}
+
+    def at(self, period: Fraction) -> "Recorded":
+        """Return what was recorded with that row period (s) alone."""
+        return Recorded({p: of for p, of in self._tables.items() if p == period})
+
+    def __getitem__(self, name: str) -> Signal:
+        return self._signals[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._signals)
+
+    def __len__(self) -> int:
+        return len(self._signals)
 
 
 def _numbers(column: Any) -> NDArray[np.float64]:

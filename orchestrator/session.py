@@ -19,7 +19,7 @@ from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
 from orchestrator.evaluation.compared import refuse_apart
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
-from orchestrator.evaluation.metrics import evaluate, refuse_unit
+from orchestrator.evaluation.metrics import evaluate, unit_doubts
 from orchestrator.folders.temporary import temporary_folder
 from orchestrator.history.folder import Begun, RunFolder, taken
 from orchestrator.outcome import Run
@@ -144,7 +144,7 @@ def _evaluated(
         if told := _diverged_before(composition, place.path):
             raise type(error)(f"{error}; {told}") from error.__cause__
         raise
-    figures = evaluate(spec.metrics, result, parameter)
+    figures = evaluate(spec.metrics, result, parameter, result.ended)
     diverged = divergence(spec.metrics, result, parameter)
     return Run(
         result,
@@ -182,7 +182,7 @@ def refuse_metrics(composition: Composition) -> None:
                     f'"{signal}" = true to [record]'
                 )
         try:
-            refuse_unit(metric, composition.unit(metric.of), composition.parameter)
+            unit_doubts(metric, composition.unit, composition.parameter)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
 

@@ -22,14 +22,15 @@ FaultKind: TypeAlias = Literal[
 class Mapped:
     """A foreign FMU's variable under our name.
 
-    In the direction of the signal: what reaches the FMU's input is
+    In the direction of the signal: what reaches the FMU's input or parameter is
     gain * ours + offset, what we read of its output is gain * theirs + offset.
-    ``unit`` is that of our side; without it the FMU's own unit is kept.
+    ``unit`` is that of our side; without it the FMU's own unit is kept.  With a unit
+    and no gain the FMU's unit is converted to it.
     """
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
 
 
@@ -48,11 +49,23 @@ class Isolation:
 
 
 @dataclass(frozen=True)
+class Experiment:
+    """What of the experiment an FMU is told besides its start: the stop time of the
+    run, a relative tolerance; what it does not need it is not told unasked.
+    """
+
+    stop: bool = False
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True)
 class Component:
     """One FMU instance and when it is stepped.
 
     ``kind`` None means: as the FMU says, or continuous if it says nothing.
-    ``latency`` (whole samples) is for sampled components only.
+    ``latency`` (whole samples) is for sampled components only.  ``split`` False
+    holds the inputs of a continuous component over its own step, whatever is
+    published inside; None means: split it there, if the FMU allows that.
     """
 
     name: str
@@ -65,6 +78,8 @@ class Component:
     start: Mapping[str, Value] = field(default_factory=dict)
     map: Mapping[str, Mapped] = field(default_factory=dict)
     isolation: Isolation = Isolation()
+    experiment: Experiment = Experiment()
+    split: bool | None = None
 
 
 @dataclass(frozen=True)

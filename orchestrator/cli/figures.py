@@ -30,14 +30,17 @@ def print_reproduction(study: str, done: Reproduction) -> None:
     figures = {figure.spec.id: figure for figure in done.figures}
     agreement = done.reference.agreement
     for table in done.reference.tables:
-        inside = [figures.pop(name) for name in _ids(table) if name in figures]
+        names = [name for row in table.ids for cell in row for name in cell if name]
+        inside = {name: figures.pop(name) for name in names if name in figures}
         if inside:
-            _print_source_table(table, {f.spec.id: f for f in inside})
-            _print_notes(inside, agreement)
+            _print_source_table(table, inside)
+            rows = zip(table.rows, table.ids, strict=True)
+            ids = {name: {x for c in cells for x in c if x} for name, cells in rows}
+            _print_notes(list(inside.values()), agreement, ids)
     if figures:
         typer.echo("\nsingle figures")
         _print_single(list(figures.values()), agreement)
-        _print_notes(list(figures.values()), agreement)
+        _print_notes(list(figures.values()), agreement, {})
 
 
 def _print_counts(study: str, done: Reproduction) -> None:
@@ -61,12 +64,8 @@ def _print_counts(study: str, done: Reproduction) -> None:
     )
 
 
-def _ids(table: Table) -> list[str]:
-    return [name for row in table.ids for cell in row for name in cell if name]
-
-
 def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
-    """Print a table as the source lays it out."""
+    """Print a table as the source lays it out; ours stand right of the published."""
     specs = [figure.spec for figure in figures.values()]
     units = {spec.unit for spec in specs}
     one_unit = _unit(next(iter(units))) if len(units) == 1 else ""
@@ -75,42 +74,46 @@ def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
     told = (one_unit, ", ".join(sorted(published)), ", ".join(sorted(classes)))
     where = f"{table.where}: " * (table.where != "-")
     typer.echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
-    rows = []
-    for name, line in zip(table.rows, table.ids, strict=True):
-        found = [[figures.get(one or "") for one in cell] for cell in line]
-        if not any(figure for cell in found for figure in cell):
-            continue
-        cells = [
-            text
-            for cell in found
-            for text in _cell(cell, with_unit=len(units) > 1, ways=len(table.ours))
+    head = [""]
+    rows = {}
+    for name, ids in zip(table.rows, table.ids, strict=True):
+        inside = [
+            figures[one] for cell in ids for one in cell if one and one in figures
         ]
-        rows.append([name, *cells])
-    print_table(["", *_heads(table)], rows)
+        own = {_unit(figure.spec.unit) for figure in inside}
+        unit = (
+            f" ({', '.join(own)})" if len(own) == 1 < len(units) and own != {""} else ""
+        )
+        rows[ids] = ([name + unit], len(own) > 1)
+    for j, column in enumerate(table.columns):
+        ways = [
+            w for w in range(len(table.ours)) if any(row[j][w] for row in table.ids)
+        ]
+        head += [f">{column}", *(f">{table.ours[w]}" for w in ways)]
+        for ids, (row, with_unit) in rows.items():
+            found = [figures.get(ids[j][w] or "") for w in ways]
+            first = next((figure for figure in found if figure is not None), None)
+            row.append("" if first is None else _published(first, with_unit))
+            row += ["" if figure is None else _ours(figure) for figure in found]
+    print_table(head, [row for row, _ in rows.values() if any(row[1:])])
 
 
-def _heads(table: Table) -> list[str]:
-    heads = []
-    for column in table.columns:
-        heads += [f">{column}", *(f">{way}" for way in table.ours)]
-    return heads
-
-
-def _cell(found: Sequence[Figure | None], *, with_unit: bool, ways: int) -> list[str]:
-    first = next((figure for figure in found if figure is not None), None)
-    if first is None:
-        return [""] * (1 + ways)
-    unit = f" {_unit(first.spec.unit)}".rstrip() if with_unit else ""
-    published = _published(first)
-    return [published and published + unit, *(_ours(figure) for figure in found)]
-
-
-def _ours(figure: Figure | None) -> str:
-    if figure is None:
-        return ""
+def _ours(figure: Figure) -> str:
     failed = " FAILED" if figure.regression == "FAILED" else ""
     value = "" if figure.value is None else f"{figure.value:.4g} "
     return f"{value}{MARKS[figure.verdict]:<2}{failed}"
+
+
+def _published(figure: Figure, with_unit: bool) -> str:
+    """Return what a cell shows of the source: a number, a bound, or its words."""
+    published, unit = figure.spec.published, _unit(figure.spec.unit)
+    if published is None or isinstance(published, str):
+        return published or ""
+    if isinstance(published, Statement) and published.other is not None:
+        return f'"{published.says}"' if published.says else str(published)
+    number = f"{published:.6g}" if isinstance(published, float) else str(published)
+    said = published.says if isinstance(published, Statement) else ""
+    return " ".join(filter(None, (number, unit * with_unit, said and f'"{said}"')))
 
 
 def _print_single(figures: Iterable[Figure], agreement: float) -> None:
@@ -124,7 +127,7 @@ def _print_single(figures: Iterable[Figure], agreement: float) -> None:
         ours = "" if f.value is None else f"{f.value:.6g}"
         own = "" if f.agreement == agreement else f" within {100 * f.agreement:g} %"
         kind = f"{f.spec.class_}, {f.spec.obtained}" * (f.spec.published is not None)
-        row = [f.spec.id, f.spec.where, _published(f), ours, _unit(f.spec.unit)]
+        row = [f.spec.id, f.spec.where, _published(f, False), ours, _unit(f.spec.unit)]
         verdict = f.verdict + own * (f.verdict in ("agrees", "differs"))
         regression = f.regression or ""
         rows.append([*row, difference, kind or f.spec.class_, verdict, regression])
@@ -132,8 +135,10 @@ def _print_single(figures: Iterable[Figure], agreement: float) -> None:
     print_table([*head, "class, obtained", "verdict", "regression"], rows)
 
 
-def _print_notes(figures: Sequence[Figure], agreement: float) -> None:
-    """Print each reason once, with the figures it is given for."""
+def _print_notes(
+    figures: Sequence[Figure], agreement: float, rows: Mapping[str, set[str]]
+) -> None:
+    """Print each reason once, with the figures or whole rows it is given for."""
     notes: dict[str, list[str]] = {}
     for figure in figures:
         if figure.why:
@@ -141,9 +146,13 @@ def _print_notes(figures: Sequence[Figure], agreement: float) -> None:
         if figure.agreement != agreement:
             text = f"judged within {100 * figure.agreement:g} %"
             notes.setdefault(text, []).append(figure.spec.id)
+    shown = {figure.spec.id for figure in figures}
     for text, names in notes.items():
-        of = "" if len(names) == len(figures) > 1 else f"{_shortened(names)}: "
-        typer.echo(f"  {of}{text}")
+        whole = [row for row, ids in rows.items() if ids & shown and ids <= {*names}]
+        inside = {name for row in whole for name in rows[row]}
+        rest = _shortened([name for name in names if name not in inside])
+        of = "; ".join(filter(None, [*whole, rest]))
+        typer.echo("  " + (text if len(names) == len(figures) > 1 else f"{of}: {text}"))
 
 
 def _shortened(names: Sequence[str]) -> str:
@@ -153,16 +162,6 @@ def _shortened(names: Sequence[str]) -> str:
         endings = [name.removeprefix(stem) for name in group]
         parts.append(stem + ", ".join(endings))
     return ", ".join(parts)
-
-
-def _published(figure: Figure) -> str:
-    published = figure.spec.published
-    if published is None or isinstance(published, str):
-        return published or ""
-    if isinstance(published, Statement):
-        said = f' "{published.says}"' if published.says else ""
-        return f"{published}{said}"
-    return f"{published:.6g}"
 
 
 def _unit(unit: str) -> str:

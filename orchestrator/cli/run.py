@@ -216,9 +216,12 @@ def print_run(done: "Run") -> None:
     title = done.scenario.spec.title or done.scenario.name
     if rows:
         print_table(["figure", ">value", "unit", "check"], rows, title)
+    if done.ended:
+        stop = float(done.composition.system.stop)
+        typer.echo(f"{done.ended} (the scenario stops at {stop:g} s)")
     if done.timing is not None:
         typer.echo(
-            f"{float(done.composition.system.stop):g} s in {done.timing.wall_s:.3g} s, "
+            f"{done.timing.simulated_s:g} s in {done.timing.wall_s:.3g} s, "
             f"{done.timing.real_time_factor:.3g} x real time, "
             f"{done.timing.us_per_instant:.3g} us per instant"
         )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmus.units import UnitError, base_unit
+from fmus.units import UnitError
 from orchestrator.evaluation.metrics import Array, Parameters, factor, in_unit, scaled
 from orchestrator.evaluation.schema import (
     ContourMetric,
@@ -25,6 +25,7 @@ from orchestrator.evaluation.schema import (
 )
 from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
+from orchestrator.unit import unit_of
 
 TIMES_FOLLOWED = 1e6
 LIMIT_SI = 1e12
@@ -104,7 +105,8 @@ def _others(signals: Mapping[str, Signal]) -> Iterable[_Limited]:
     for name in signals:
         signal = signals[name]
         try:
-            limit = LIMIT_SI / base_unit(signal.unit).factor
+            base = unit_of(signal.unit).base
+            limit = LIMIT_SI / abs(base.factor if base else 1.0)
         except UnitError:  # a foreign FMU may write units of its own
             limit = LIMIT_SI
         yield _Limited(name, signal.time, signal.values, limit, signal.unit)

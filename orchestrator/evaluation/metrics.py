@@ -40,10 +40,9 @@ from orchestrator.quantity import (
     Quantity,
     converter,
     parse_quantity,
-    product_unit,
-    quotient_unit,
 )
-from orchestrator.result import Signal
+from orchestrator.result import End, Signal
+from orchestrator.unit import Unit, conversion, product_unit, quotient_unit, unit_of
 
 Array: TypeAlias = NDArray[np.float64]
 Parameters: TypeAlias = Callable[[str], Quantity]
@@ -53,10 +52,12 @@ def evaluate(
     specs: Mapping[str, MetricSpec],
     signals: Mapping[str, Signal],
     parameter: Parameters,
+    ended: End | None = None,
 ) -> dict[str, Quantity]:
     """Return all figures ``<metric>.<figure>`` of a run.
 
-    ``parameter`` returns the value and unit of a ``component.parameter``.
+    ``parameter`` returns the value and unit of a ``component.parameter``.  Of a run
+    that ``ended`` early, metrics have no value whose window was not reached.
 
     Raises:
         ScenarioError: a signal is not recorded, grids or units do not fit, a
@@ -66,12 +67,26 @@ def evaluate(
     for name, spec in specs.items():
         try:
             with np.errstate(all="ignore"):  # what overflows has no value
-                found = _figures(spec, signals, parameter)
+                found = _until(ended, spec, signals, parameter)
             for key, figure in found.items():
                 figures[f"{name}.{key}"] = _in_range(figure)
         except (ScenarioError, UnitError) as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
     return figures
+
+
+def _until(
+    ended: End | None,
+    spec: MetricSpec,
+    signals: Mapping[str, Signal],
+    parameter: Parameters,
+) -> dict[str, Quantity]:
+    if ended is None or spec.window is None or spec.window[1] <= ended.at:
+        return _figures(spec, signals, parameter)
+    whole = spec.model_copy(update={"window": None})  # for the figures' names
+    why = f"its window until {float(spec.window[1]):g} s was not reached: {ended}"
+    found = _figures(whole, signals, parameter)
+    return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
 
 
 def _in_range(figure: Quantity) -> Quantity:
@@ -83,28 +98,40 @@ def _in_range(figure: Quantity) -> Quantity:
 
 def scaled(
     spec: MetricSpec, signal: Signal, parameter: Parameters, to_unit: str | None
-) -> tuple[Array, str]:
+) -> tuple[Array, Unit]:
     """Return a signal's values (n,) with a metric's factors in a unit, and that unit.
 
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
     total = _factors(spec, signal.unit, parameter)
-    values = signal.values * total.value
-    if to_unit is not None and to_unit != total.unit:
-        values = converter(total.unit, to_unit)(values)
-    return values, to_unit or total.unit
+    values, own = signal.values * total.value, unit_of(total.unit)
+    if to_unit is None:
+        return values, own
+    wanted = own if to_unit == own and not isinstance(to_unit, Unit) else to_unit
+    unit = unit_of(wanted).of_difference(own.relative)
+    return converter(own, unit)(values), unit
 
 
-def refuse_unit(spec: MetricSpec, unit: str, parameter: Parameters) -> None:
-    """Refuse a metric of a signal in ``unit`` whose own unit does not fit.
+def unit_doubts(
+    spec: MetricSpec, unit: Callable[[str], Unit], parameter: Parameters
+) -> tuple[str, ...]:
+    """Return what is a guess where a metric's signals come into its own unit.
+
+    ``unit`` returns that of a recorded signal.
 
     Raises:
         ScenarioError, fmus.units.UnitError: a factor is missing or zero, or the
             dimensions differ.
     """
-    total = _factors(spec, unit, parameter)
-    if not (isinstance(spec, SineMetric) and spec.against):
-        total.to(spec.unit)
+    if isinstance(spec, SineMetric) and spec.against:
+        return ()
+    own = unit_of(_factors(spec, unit(spec.of), parameter).unit)
+    doubts = conversion(own, spec.unit).doubts if spec.unit else ()
+    if isinstance(spec, ErrorMetric | ContourMetric):
+        other = spec.against if isinstance(spec, ErrorMetric) else spec.across
+        beside = _factors(spec, unit(other), parameter).unit
+        doubts += conversion(beside, spec.unit or own).doubts
+    return doubts
 
 
 def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
@@ -118,6 +145,8 @@ def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
 
 def factor(written: Factor, parameter: Parameters) -> Quantity:
     """Return a factor given as number, number with unit or ``component.parameter``."""
+    if isinstance(written, Quantity):
+        return written
     if not isinstance(written, str):
         return Quantity(written)
     if written[:1].isalpha() or written.startswith("_"):
@@ -142,20 +171,24 @@ def _figures(
         reference, _ = scaled(spec, found["against"], parameter, unit)
         return _of_error(reference[rows] - y, unit)
     if isinstance(spec, PlainMetric):
-        return {spec.kind: Quantity(_PLAIN[spec.kind](y), unit)}
+        figure_unit = unit.of_difference() if spec.kind == "span" else unit
+        return {spec.kind: Quantity(_PLAIN[spec.kind](y), figure_unit)}
     if isinstance(spec, SettlingMetric):
         start = float(spec.window[0]) if spec.window else 0.0
-        return settling(time - start, y - spec.final, spec.band, unit)
+        away = y - spec.final
+        return settling(time - start, away, spec.band, unit.of_difference())
     if isinstance(spec, StepMetric):
         start = float(spec.window[0]) if spec.window else 0.0
         height = in_unit(factor(spec.height, parameter), unit)
-        return step_response(time - start, y, height, spec.band, unit)
+        of_error = unit.of_difference()
+        return step_response(time - start, y, height, spec.band, of_error)
     if isinstance(spec, ContourMetric):
         across, _ = scaled(spec, found["across"], parameter, unit)
         size = in_unit(factor(spec.size, parameter), unit)
         outside = contour_error(y, across[rows], spec.shape, size)
         kinds = ("peak", "rms", "max", "min")
-        return {kind: Quantity(_PLAIN[kind](outside), unit) for kind in kinds}
+        off = unit.of_difference()
+        return {kind: Quantity(_PLAIN[kind](outside), off) for kind in kinds}
     if isinstance(spec, SustainedMetric):
         start = float(spec.window[0]) if spec.window else 0.0
         level = found["level"]
@@ -171,6 +204,7 @@ def _figures(
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
     frequency = factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
+    unit = unit.of_difference()
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
     amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
@@ -178,7 +212,7 @@ def _figures(
         return {"amplitude": amplitude, "phase": _phase(c)}
     against = found["against"]
     base = sine_fit(time, against.values[rows], hertz)
-    of_both = quotient_unit(unit, against.unit)
+    of_both = quotient_unit(unit, unit_of(against.unit).of_difference())
     if base == 0:
         why = f"{against.name} has no component at {hertz:g} Hz"
         none = NoValue(of_both, why=why)
@@ -191,6 +225,7 @@ _PLAIN: dict[str, Callable[[Array], float]] = {
     "peak": lambda y: float(np.max(np.abs(y))),
     "rms": lambda y: float(np.sqrt(np.mean(y**2))),
     "mean": lambda y: float(np.mean(y)),
+    "mean_abs": lambda y: float(np.mean(np.abs(y))),
     "max": lambda y: float(np.max(y)),
     "min": lambda y: float(np.min(y)),
     "final": lambda y: float(y[-1]),
@@ -203,9 +238,9 @@ def in_unit(quantity: Quantity, unit: str) -> float:
     return quantity.value if quantity.unit == "1" else quantity.to(unit).value
 
 
-def _of_error(e: Array, unit: str) -> dict[str, Quantity]:
+def _of_error(e: Array, unit: Unit) -> dict[str, Quantity]:
     kinds = ("peak", "rms", "mean")
-    return {kind: Quantity(_PLAIN[kind](e), unit) for kind in kinds}
+    return {kind: Quantity(_PLAIN[kind](e), unit.of_difference()) for kind in kinds}
 
 
 def settling(time: Array, y: Array, band: float, unit: str) -> dict[str, Quantity]:

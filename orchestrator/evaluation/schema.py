@@ -90,10 +90,10 @@ class ErrorMetric(_Metric):
 
 
 class PlainMetric(_Metric):
-    """One figure of a signal, called as the kind; ``peak`` is of the magnitude,
-    ``span`` is max - min."""
+    """One figure of a signal, called as the kind; ``peak`` and ``mean_abs`` are of
+    the magnitude, ``span`` is max - min."""
 
-    kind: Literal["peak", "rms", "mean", "max", "min", "final", "span"]
+    kind: Literal["peak", "rms", "mean", "mean_abs", "max", "min", "final", "span"]
 
 
 class SettlingMetric(_Metric):

@@ -29,7 +29,7 @@ from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
 
 Array: TypeAlias = NDArray[np.float64]
-_OF_THE_TRACE = ("peak", "rms", "mean", "max", "min")
+_OF_THE_TRACE = ("peak", "rms", "mean", "mean_abs", "max", "min")
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def _bounds(e: Expectation) -> tuple[float | None, float | None]:
 
 
 def _value(kind: str, size: Array) -> float:
-    if kind == "mean":
+    if kind in ("mean", "mean_abs"):
         return float(np.mean(size))
     if kind == "min":
         return float(np.min(size))

@@ -6,17 +6,20 @@ FMU's own definitions.
 """
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import Any, Literal, cast
 
+from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
 from orchestrator.system import Kind
+from orchestrator.unit import Unit, unit_of_fmu
 
 Sort = Literal["real", "integer", "boolean", "string"]
 Dtype = Literal["float64", "int64", "uint64"]
@@ -44,8 +47,8 @@ _WORDS: dict[str, Dtype] = {
 class FmuVariable:
     """One variable; ``references`` has one entry per FMI 2 scalar or FMI 3 array.
 
-    ``size`` counts its numbers; ``unit`` is the FMU's own name for the unit,
-    ``base_unit`` its definition (None where the FMU gives none).
+    ``size`` counts its numbers; ``unit`` is the FMU's own, ``base_unit`` its
+    definition as written (None where the FMU gives none).
     """
 
     name: str
@@ -55,7 +58,7 @@ class FmuVariable:
     causality: str
     variability: str
     initial: str | None
-    unit: str | None
+    unit: Unit | None
     base_unit: BaseUnit | None
     start: str | None
     min: str | None
@@ -83,7 +86,8 @@ class FmuDescription:
     while stepping, ``initial_dependencies`` in initialisation; None means all.
     ``internal_step`` (s) is what communication steps should be a multiple of.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
-    reference of the input clock with that period, if it has one.
+    reference of the input clock with that period, if it has one.  ``units`` are the
+    definitions of all units it names.
     """
 
     path: Path
@@ -94,6 +98,7 @@ class FmuDescription:
     tool: str
     description: str
     variables: Mapping[str, FmuVariable]
+    units: Mapping[str, BaseUnit]
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
     variable_step: bool
@@ -107,6 +112,7 @@ class FmuDescription:
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
+    log_categories: tuple[str, ...]
 
     def __getitem__(self, name: str) -> FmuVariable:
         try:
@@ -182,6 +188,10 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
+    units = dict(_units(md.unitDefinitions))
+    relative = _relative(root)
+    for v in md.modelVariables:
+        v.relativeQuantity = relative.get(v.name)
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -191,10 +201,11 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, md.unitDefinitions, major)
+            v.name: _variable(v, units, major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
+        units=units,
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
@@ -210,6 +221,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
     )
 
 
@@ -250,20 +262,40 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _variable(v: Any, units: list[Any], major: int) -> FmuVariable:
+def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
+    """Yield every unit that is defined; a factor of zero defines nothing."""
+    for unit in definitions:
+        written = unit.baseUnit
+        if written is None:
+            continue
+        factor, offset = float(written.factor), float(written.offset)
+        if factor and isfinite(factor) and isfinite(offset):
+            exponents = {name: int(getattr(written, name) or 0) for name in BASE}
+            yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
+
+
+def _relative(root: Any) -> dict[str, bool]:
+    """Return what variables say of relativeQuantity (fmpy 0.3.32 never finds it)."""
+    found = {}
+    for variable in root.iterfind("ModelVariables/*"):
+        for element in (variable, *variable.iterchildren("Real")):
+            if written := element.get("relativeQuantity"):
+                found[variable.get("name")] = written in ("true", "1")
+    return found
+
+
+def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
+    return units.get(name or "") or (BaseUnit() if name == "1" else None)
+
+
+def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
     type_ = v.declaredType
-    unit = v.unit or (type_.unit if type_ is not None else None)
-    definition = next((u.baseUnit for u in units if u.name == unit), None)
-    base = None
-    if definition is not None:
-        exponents = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-        base = BaseUnit(
-            **{name: int(getattr(definition, name) or 0) for name in exponents},
-            factor=float(definition.factor),
-            offset=float(definition.offset),
-        )
-    elif unit == "1":
-        base = BaseUnit()
+    name: str | None = v.unit or (type_.unit if type_ is not None else None)
+    base = _definition(name, units)
+    relative = v.relativeQuantity
+    if relative is None and type_ is not None:
+        relative = type_.relativeQuantity
+    unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
     return FmuVariable(
         name=v.name,
         fmi_type=v.type,

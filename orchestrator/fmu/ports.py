@@ -4,14 +4,38 @@ A name stands for one number or for several: an FMI 3 array, the FMI 2 elements
 ``K[1,2]`` of one, or a record ``command`` with its fields ``command.x``.
 """
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
+from math import pi
+from typing import NamedTuple
 
-from fmus.units import BaseUnit, UnitError, base_unit, conversion
+from fmus.units import TurnError, UnitError, base_unit
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.system import Component, Mapped
+from orchestrator.unit import UndefinedUnit, Unit, conversion
+
+
+@dataclass(frozen=True)
+class Affine:
+    """sink = gain * source + offset; exact copies have gain 1 and offset 0."""
+
+    gain: float = 1.0
+    offset: float = 0.0
+
+    @property
+    def converts(self) -> bool:
+        """Tell whether it is more than an exact copy."""
+        return (self.gain, self.offset) != (1.0, 0.0)
+
+    def then(self, other: "Affine") -> "Affine":
+        gain = other.gain * self.gain
+        return Affine(gain, other.gain * self.offset + other.offset)
+
+    def inverse(self) -> "Affine":
+        return Affine(1.0 / self.gain, -self.offset / self.gain)
 
 
 @dataclass(frozen=True)
@@ -20,7 +44,8 @@ class Port:
 
     ``label`` is what distinguishes it under the name it was asked by (``""``,
     ``[2]``, ``.x``).  Ours and theirs are related by gain and offset in the
-    direction of the signal; ``unit`` and ``base`` are those of our side.
+    direction of the signal; ``unit`` is that of our side, None if there is none.
+    ``doubts`` say what of its map is a guess.
     """
 
     component: str
@@ -30,12 +55,34 @@ class Port:
     element: int
     gain: float
     offset: float
-    unit: str | None
-    base: BaseUnit | None
+    unit: Unit | None
+    doubts: tuple[str, ...] = ()
 
     @property
     def full_name(self) -> str:
         return f"{self.component}.{self.name}"
+
+    @property
+    def inward(self) -> bool:
+        """Whether the signal's direction is into the FMU."""
+        return is_inward(self.variable)
+
+    @property
+    def to_theirs(self) -> Affine:
+        """How a number of ours becomes one of the FMU's."""
+        affine = Affine(self.gain, self.offset)
+        return affine if self.inward else affine.inverse()
+
+    @property
+    def to_ours(self) -> Affine:
+        """How a number of the FMU's becomes one of ours."""
+        affine = Affine(self.gain, self.offset)
+        return affine.inverse() if self.inward else affine
+
+
+def is_inward(variable: FmuVariable) -> bool:
+    """Tell whether values are given to a variable rather than taken from it."""
+    return variable.causality in ("input", "parameter", "structuralParameter")
 
 
 def ports(component: Component, fmu: FmuDescription, name: str) -> list[Port]:
@@ -72,7 +119,7 @@ def _ports(
             f"{did_you_mean(name, known)}"
         )
     for variable, label in members:
-        unit, base = _unit(component, variable, mapped)
+        affine, unit, doubts = _our_side(component, fmu, variable, mapped)
         for element, index in enumerate(_indices(variable.shape)):
             if array is not None and index != indices:
                 continue
@@ -82,10 +129,10 @@ def _ports(
                 "" if array is not None else label + index,
                 variable,
                 element,
-                mapped.gain,
-                mapped.offset,
+                affine.gain,
+                affine.offset,
                 unit,
-                base,
+                doubts,
             )
 
 
@@ -111,41 +158,53 @@ def _indices(shape: tuple[int, ...]) -> list[str]:
     return [f"[{','.join(map(str, index))}]" for index in product(*ranges)]
 
 
-def _unit(
-    component: Component, variable: FmuVariable, mapped: Mapped
-) -> tuple[str | None, BaseUnit | None]:
+def _our_side(
+    component: Component, fmu: FmuDescription, variable: FmuVariable, mapped: Mapped
+) -> tuple[Affine, Unit | None, tuple[str, ...]]:
+    """Return what a map makes of a variable in the direction of its signal, our
+    unit, and what of it is a guess.
+
+    Raises:
+        WiringError: the unit of the map cannot be had without a gain.
+    """
+    theirs = variable.unit
+    given = Affine(
+        1.0 if mapped.gain is None else mapped.gain,
+        0.0 if mapped.offset is None else mapped.offset,
+    )
     if mapped.unit is None:
-        return variable.unit, variable.base_unit
+        return given, theirs, ()
+    where = f"components.{component.name}.map: {mapped.name}"
+    relative = theirs is not None and theirs.relative
     try:
-        return mapped.unit, base_unit(mapped.unit)
+        ours = mapped.unit
+        if not isinstance(ours, Unit):
+            ours = Unit(ours, base_unit(ours, fmu.units))
+        ours = ours.of_difference(relative)
+        if mapped.gain is not None:
+            return given, ours, ()
+        if theirs is None or mapped.offset is not None:
+            lacking = "no unit there" if theirs is None else "an offset alone"
+            raise UnitError(f"{lacking}: say by a gain what it is in {ours}")
+        ends = (ours, theirs) if is_inward(variable) else (theirs, ours)
+        gain, offset, doubts = conversion(*ends)
+    except TurnError as error:
+        raise WiringError(f"{where}: {error}; give it a gain") from None
     except UnitError as error:
-        raise WiringError(
-            f"components.{component.name}.map: unit of {mapped.name}: {error}"
-        ) from None
+        raise WiringError(f"{where}: {error}; or give it a gain") from None
+    return Affine(gain, offset), ours, tuple(f"{where}: {doubt}" for doubt in doubts)
 
 
-@dataclass(frozen=True)
-class Affine:
-    """sink = gain * source + offset; exact copies have gain 1 and offset 0."""
+class Passage(NamedTuple):
+    """How a value passes over a connection: a note on it, and what is a guess."""
 
-    gain: float = 1.0
-    offset: float = 0.0
-
-    @property
-    def converts(self) -> bool:
-        """Tell whether it is more than an exact copy."""
-        return (self.gain, self.offset) != (1.0, 0.0)
-
-    def then(self, other: "Affine") -> "Affine":
-        gain = other.gain * self.gain
-        return Affine(gain, other.gain * self.offset + other.offset)
-
-    def inverse(self) -> "Affine":
-        return Affine(1.0 / self.gain, -self.offset / self.gain)
+    affine: Affine
+    note: str | None
+    doubts: tuple[str, ...]
 
 
-def connection(source: Port, sink: Port) -> tuple[Affine, str | None]:
-    """Return how a value passes from one FMU's variable into another's, and a note.
+def connection(source: Port, sink: Port) -> Passage:
+    """Return how a value passes from one FMU's variable into another's.
 
     Raises:
         WiringError: types or units do not fit.
@@ -153,25 +212,29 @@ def connection(source: Port, sink: Port) -> tuple[Affine, str | None]:
     ends = f"{source.full_name} -> {sink.full_name}"
     _check_types(source, sink, ends)
     converted, note = Affine(), None
-    if source.base is None or sink.base is None:
+    doubts: tuple[str, ...] = ()
+    if source.unit is None or sink.unit is None:
         if source.unit or sink.unit:
             note = (
                 f"{ends}: connected as numbers, {source.unit or 'no unit'} to "
-                f"{sink.unit or 'no unit'}, since one side defines no unit"
+                f"{sink.unit or 'no unit'}, since one side has no unit"
             )
     else:
         try:
-            gain, offset, rad_ignored = conversion(source.base, sink.base)
-        except UnitError:
+            gain, offset, doubts = conversion(source.unit, sink.unit)
+            converted = Affine(gain, offset)
+        except UndefinedUnit as error:
+            doubts = (f"connected as numbers, since {error}",)
+        except TurnError as error:
+            raise WiringError(f"{ends}: {error}. {_turns(source, sink)}") from None
+        except UnitError as error:
             raise WiringError(
-                f"{ends}: {source.unit} cannot become {sink.unit}; connect variables "
-                f"of one quantity, or give the component a map with gain and unit"
+                f"{ends}: {error}; connect variables of one quantity, or give the "
+                f"component a map with gain and unit"
             ) from None
-        converted = Affine(gain, offset)
-        if rad_ignored:
-            note = f"{ends}: {source.unit} to {sink.unit}, the rad counted as 1"
-    whole = Affine(source.gain, source.offset).then(converted)
-    return whole.then(Affine(sink.gain, sink.offset)), note
+    whole = source.to_ours.then(converted).then(sink.to_theirs)
+    told_of = (*source.doubts, *sink.doubts, *(f"{ends}: {d}" for d in doubts))
+    return Passage(whole, note, told_of)
 
 
 def _check_types(source: Port, sink: Port, ends: str) -> None:
@@ -184,3 +247,27 @@ def _check_types(source: Port, sink: Port, ends: str) -> None:
             f"{ends}: a {kinds[0]} variable cannot drive a {kinds[1]} one; put a "
             f"component that converts between them"
         )
+
+
+def _turns(source: Port, sink: Port) -> str:
+    """Return the map to paste where of two frequencies one counts radians."""
+    there, here = source, sink
+    if _rad(source) and not _rad(sink):
+        there, here = sink, source
+    assert there.unit is not None
+    assert there.unit.base is not None
+    counted = Unit(there.unit, replace(there.unit.base, rad=_rad(here)))
+    radian = conversion(counted, here.unit or "1").gain
+    turn = (2 * pi) ** (_rad(here) - _rad(there)) * radian
+    if there.inward:
+        turn, radian = 1 / turn, 1 / radian
+    return (
+        f"If {there.full_name} counts turns, write\n\n"
+        f"[components.{there.component}.map]\n{json.dumps(there.name)} = "
+        f"{{ name = {json.dumps(there.variable.name)}, gain = {turn!r}, "
+        f'unit = "{here.unit}" }}\n\nand if it counts radians, gain = {radian!r}'
+    )
+
+
+def _rad(port: Port) -> int:
+    return port.unit.base.rad if port.unit and port.unit.base else 0

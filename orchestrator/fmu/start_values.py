@@ -65,7 +65,8 @@ def _numbers(where: str, found: Sequence[Port], value: Value) -> list[Written]:
 
 def _bounded(where: str, port: Port, number: float) -> float:
     """Return a number as the FMU's own, which must lie within its bounds."""
-    theirs = port.gain * number + port.offset
+    affine = port.to_theirs
+    theirs = affine.gain * number + affine.offset
     low, high = (
         float(b) if b else None for b in (port.variable.min, port.variable.max)
     )

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
-from orchestrator.instances.group import STATUS, WARNING
+from orchestrator.instances.ending import Ended
+from orchestrator.instances.group import DISCARD, STATUS, WARNING
 from orchestrator.instances.instance import LocalInstance
 
 UPDATES = 100  # of one event
@@ -23,12 +24,10 @@ UPDATES = 100  # of one event
 class ClockedInstance(LocalInstance):
     """As ``LocalInstance``, for FMUs with a periodic input clock."""
 
-    def instantiate(self) -> None:
-        with self._named("instantiate"):
-            self._fmu.instantiate(
-                logMessage=self._fmi3_message, loggingOn=True, eventModeUsed=True
-            )
-        self.slave = ctypes.c_void_p(self._fmu.component)
+    def _create(self) -> None:
+        self._fmu.instantiate(
+            logMessage=self._fmi3_message, loggingOn=True, eventModeUsed=True
+        )
 
     def bind(
         self,
@@ -81,7 +80,7 @@ class ClockedInstance(LocalInstance):
             status = int(self.update(self.slave, *pointers))
             if ended.value or not again.value:
                 break
-        return status if status > WARNING or not ended.value else 2
+        return status if status > WARNING or not ended.value else DISCARD
 
     def _move_on(self) -> None:
         if self._pending is None:
@@ -90,10 +89,15 @@ class ClockedInstance(LocalInstance):
         status = self.enter_step(self.slave)
         if status <= WARNING:
             super().step(t, h)
+            if self.outcome.last:
+                return
             status = self.enter_event(self.slave)
         if status > WARNING:
             raise self.failed_step(h, status)
 
     def failed_tick(self, status: int) -> SimulationError:
-        """Return the error for a tick that returned a status."""
+        """Return the error for a tick that returned a status, or ended the run."""
+        if status == DISCARD:  # as _tick and kernel.c say it
+            reason = "an event asked to end the simulation"
+            return Ended(self.name, self.time, reason)
         return self.fail("the tick of its clock", f"returned {STATUS[status]}")

@@ -1,10 +1,11 @@
 """One FMU instance in this process, FMI 2.0 or 3.0, behind one small interface.
 
-Call order: ``instantiate``, ``write`` start values, ``enter_initialization``,
-``write``/``read`` as often as needed, ``exit_initialization``, ``bind``, then
-``push`` (all inputs), ``step``, ``pull`` (all outputs) in the master's order,
-at the end ``close``.  ``push`` and ``pull`` move one contiguous part of the
-master's value vector in one call per FMI type.
+Call order: ``instantiate`` (again where the FMU is to be made anew), ``set_up`` the
+experiment, ``write`` start values, ``enter_initialization``, ``bind``,
+``write``/``read`` as often as needed, ``exit_initialization``, ``quiet`` unless
+messages are wanted, then ``push`` (all inputs), ``step``, ``pull`` (all outputs) in
+the master's order, at the end ``close``.  ``push`` and ``pull`` move one contiguous
+part of the master's value vector in one call per FMI type.
 
 Every call returns normally or raises ``SimulationError`` with the instance,
 the function, and what the FMU logged.
@@ -13,25 +14,32 @@ the function, and what the FMU logged.
 import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
-from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
-from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
+from orchestrator.instances.logs import (
+    SPEAKERS,
+    LogMessage,
+    callbacks,
+    log_errors_only,
+)
+from orchestrator.native import library as c
 
 
 class Instance(Protocol):
     """What the master needs of an FMU instance, wherever it runs.
 
-    After ``bind``, the kernel calls ``do_step`` on ``slave`` in the way of FMI
-    ``step_major``, and the functions of the groups in that of their own ``major``.
+    ``outcome.last`` is set by a whole step after which the FMU has ended the run;
+    ``ended`` says why.  After ``bind``, the kernel calls ``do_step`` on ``slave`` in
+    the way of FMI ``step_major``, and the functions of the groups in that of their own
+    ``major``.
     """
 
     name: str
@@ -41,15 +49,21 @@ class Instance(Protocol):
     do_step: Any
     inputs: list[Group]
     outputs: list[Group]
+    outcome: c.Outcome
 
     @property
     def step_major(self) -> int: ...
+    def ended(self) -> Ended: ...
     def failed_step(self, h: float, status: int) -> SimulationError: ...
     def instantiate(self) -> None: ...
     def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
     def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
-    def enter_initialization(self, start: float) -> None: ...
+    def set_up(
+        self, start: float, stop: float | None, tolerance: float | None
+    ) -> None: ...
+    def enter_initialization(self) -> None: ...
     def exit_initialization(self) -> None: ...
+    def quiet(self) -> None: ...
     def bind(
         self,
         vector: NDArray[np.float64],
@@ -62,20 +76,6 @@ class Instance(Protocol):
     def step(self, t: float, h: float) -> None: ...
     def pull(self) -> None: ...
     def close(self) -> None: ...
-
-
-@dataclass(frozen=True)
-class LogMessage:
-    """What an FMU logged: status, category, text, and the time it had reached."""
-
-    status: str
-    category: str
-    text: str
-    time: float
-
-    def __str__(self) -> str:
-        category = f", {self.category}" if self.category else ""
-        return f"[{self.status}{category}] {self.text}"
 
 
 class LocalInstance:
@@ -100,6 +100,8 @@ class LocalInstance:
         self.slave: Any = None
         self._initialized = False
         self._worst = 0
+        self._quiet = False
+        self.outcome = c.Outcome()
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
@@ -135,19 +137,28 @@ class LocalInstance:
         )
 
     def instantiate(self) -> None:
+        if self.slave is not None and self._worst != FATAL:  # anew
+            free = "fmi2FreeInstance" if self._fmi2 else "fmi3FreeInstance"
+            getattr(self._fmu, free)(self._fmu.component)
+            self.slave, self._worst, self._messages = None, 0, []
         with self._named("instantiate"):
-            if self._fmi2:
-                _SPEAKERS[self.name] = self
-                self._fmu.instantiate(callbacks=_callbacks(), loggingOn=True)
-            else:
-                self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
+            self._create()
         self.slave = ctypes.c_void_p(self._fmu.component)
+
+    def _create(self) -> None:
+        if self._fmi2:
+            SPEAKERS[self.name] = self
+            self._fmu.instantiate(callbacks=callbacks(), loggingOn=True)
+        else:
+            self._fmu.instantiate(logMessage=self._fmi3_message, loggingOn=True)
 
     def _fmi3_message(self, _env: Any, status: int, category: Any, text: Any) -> None:
         self.record(status, category, text)
 
     def record(self, status: int, category: bytes | None, text: bytes | None) -> None:
         """Keep what the FMU logs, and pass it on."""
+        if self._quiet and status == 0:
+            return  # from an FMU that logs all the same
         label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
         name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
         message = LogMessage(label, name, said, self.time)
@@ -160,10 +171,11 @@ class LocalInstance:
     def fail(self, function: str, reason: str) -> SimulationError:
         """Return the error for a failed call, with what the FMU logged."""
         said = "; ".join(str(m) for m in self._messages[-3:])
+        more = "; run with -v to switch its logging on" if self._quiet else ""
+        told = f"logged: {said}" if said else f"logged nothing{more}."
         return SimulationError(
             f"{self.name} ({self.description.path.name}): {function} at "
-            f"t = {self.time:.9g} s {reason}. "
-            + (f"The FMU logged: {said}" if said else "The FMU logged nothing.")
+            f"t = {self.time:.9g} s {reason}. The FMU {told}"
         )
 
     def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
@@ -181,19 +193,40 @@ class LocalInstance:
                 values.extend(Group(self, [variable]).get())
         return values
 
-    def enter_initialization(self, start: float) -> None:
+    def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
+        """Hand over the experiment; FMI 3.0 takes it with its initialisation."""
         self.clock.value = start
+        if self._fmi2:
+            with self._named("set up experiment"):
+                self._fmu.setupExperiment(tolerance, startTime=start, stopTime=stop)
+        else:
+            self._experiment = {
+                "tolerance": tolerance,
+                "startTime": start,
+                "stopTime": stop,
+            }
+
+    def enter_initialization(self) -> None:
         with self._named("enter initialization"):
             if self._fmi2:
-                self._fmu.setupExperiment(startTime=start)
                 self._fmu.enterInitializationMode()
             else:
-                self._fmu.enterInitializationMode(startTime=start)
+                self._fmu.enterInitializationMode(**self._experiment)
 
     def exit_initialization(self) -> None:
         with self._named("exit initialization"):
             self._fmu.exitInitializationMode()
         self._initialized = True
+
+    def quiet(self) -> None:
+        """Let the FMU log errors alone; ours log nothing else anyway."""
+        if self.description.is_ours:
+            return
+        self._quiet = True
+        categories = self.description.log_categories
+        log_errors_only(
+            self.library, self.slave, self.description.fmi_major, categories
+        )
 
     def bind(
         self,
@@ -211,9 +244,6 @@ class LocalInstance:
         name = "fmi2DoStep" if self._fmi2 else "fmi3DoStep"
         self.do_step = self.library[name]
         self.do_step.restype = ctypes.c_int
-        flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
-        self._reached = ctypes.c_double()
-        self._event, self._ended, self._early = flags
         if self._fmi2:
             self._tail: tuple[Any, ...] = (1,)
             self.do_step.argtypes = [
@@ -223,6 +253,9 @@ class LocalInstance:
                 ctypes.c_int,
             ]
         else:
+            flags = [ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()]
+            self._reached = ctypes.c_double()
+            self._event, self._ended, self._early = flags
             pointers = [ctypes.pointer(flag) for flag in flags]
             self._tail = (True, *pointers, ctypes.pointer(self._reached))
             self.do_step.argtypes = [
@@ -244,17 +277,40 @@ class LocalInstance:
 
     def step(self, t: float, h: float) -> None:
         self.clock.value = t
+        if not self._fmi2:
+            self._reached.value = t + h
         status = self.do_step(self.slave, t, h, *self._tail)
-        ended = not self._fmi2 and (self._ended.value or self._early.value)
-        if status > WARNING or ended:
+        if not self._fmi2:
+            self.outcome.reached = self._reached.value
+            self.outcome.ended = self._ended.value
+            self.outcome.early = self._early.value
+        whole = self.outcome.reached >= t + h * (1 - WHOLE)
+        if status <= WARNING and self.outcome.ended and whole:
+            self.outcome.last = 1
+        elif status > WARNING or self.outcome.ended or self.outcome.early:
             raise self.failed_step(h, status)
 
     def failed_step(self, h: float, status: int) -> SimulationError:
-        """Return the error for a step that returned a status or ended the run."""
-        bad = status > WARNING
+        """Return the error for a step that failed or by which the FMU ended the run."""
         self.refused(status)
-        why = f"returned {STATUS[status]}" if bad else "asked to end the simulation"
-        return self.fail(f"doStep of {h:.9g} s", why)
+        if ended := self._ended_by(h, status):
+            return ended
+        return self.fail(f"doStep of {h:.9g} s", f"returned {STATUS[status]}")
+
+    def _ended_by(self, h: float, status: int) -> Ended | None:
+        """Return how the FMU ended the run by a step with this status, if it did."""
+        if status <= WARNING:
+            return self.ended()
+        if status != DISCARD:
+            return None
+        found = discarded(self, self.time, h)
+        return found and Ended(self.name, *found)
+
+    def ended(self) -> Ended:
+        """Return how the FMU ended the run by its latest step."""
+        early = self.outcome.early and not self.outcome.ended
+        reason = "it returned early" if early else "it asked to end the simulation"
+        return Ended(self.name, self.outcome.reached, reason)
 
     def refused(self, status: int) -> None:
         """Remember the worst status of a call; it decides what ``close`` may call."""
@@ -273,37 +329,6 @@ class LocalInstance:
             if self._worst != FATAL:  # then no call is allowed any more
                 self._fmu.freeInstance()
         self.slave = None
-
-
-_SPEAKERS: WeakValueDictionary[str, LocalInstance] = WeakValueDictionary()
-
-
-@cache
-def _callbacks() -> Any:
-    """Return the FMI 2.0 callbacks, one set for the whole process.
-
-    fmpy's proxy, which formats the messages, knows a single logger: the instance
-    that speaks is found by its name.
-    """
-    from fmpy.fmi1 import calloc, free
-    from fmpy.fmi2 import (
-        fmi2CallbackAllocateMemoryTYPE,
-        fmi2CallbackFreeMemoryTYPE,
-        fmi2CallbackFunctions,
-        fmi2CallbackLoggerTYPE,
-    )
-    from fmpy.logging import addLoggerProxy
-
-    def message(_env: Any, name: bytes, status: int, category: Any, text: Any) -> None:
-        if (speaker := _SPEAKERS.get((name or b"").decode())) is not None:
-            speaker.record(status, category, text)
-
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = fmi2CallbackLoggerTYPE(message)
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    addLoggerProxy(ctypes.byref(callbacks))
-    return callbacks
 
 
 class _Named:

@@ -32,9 +32,10 @@ from numpy.typing import NDArray
 from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
-from orchestrator.instances.instance import LogMessage
 from orchestrator.instances.isolated_child import CHANNEL, serve
+from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.spawn import spawn
 from orchestrator.native import library as c
 from orchestrator.system import Isolation
@@ -74,6 +75,8 @@ class IsolatedInstance:
         self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         self._channel: c.Channel | None = None
         self._waiting = False  # for an answer through the pipe
+        self._loaded = False
+        self.outcome = c.Outcome()
         try:
             self._library: Any = c.library()
         except CompileError:
@@ -90,7 +93,9 @@ class IsolatedInstance:
         self._listener.start()
 
     def instantiate(self) -> None:
-        self._answer("load")  # not sooner, so that several children start at once
+        if not self._loaded:
+            self._answer("load")  # not sooner, so that several children start at once
+            self._loaded = True
         self._ask("instantiate")
 
     def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
@@ -101,8 +106,11 @@ class IsolatedInstance:
         answer: list[float] = self._ask("read", list(variables))
         return answer
 
-    def enter_initialization(self, start: float) -> None:
-        self._ask("enter_initialization", start)
+    def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
+        self._ask("set_up", start, stop, tolerance)
+
+    def enter_initialization(self) -> None:
+        self._ask("enter_initialization")
 
     def exit_initialization(self) -> None:
         self._deliver()
@@ -118,14 +126,16 @@ class IsolatedInstance:
     ) -> None:
         n, m = (sum(v.size for v in group) for group in (inputs, outputs))
         size = ctypes.sizeof(c.Channel) + 8 * (n + m)
-        with (self._folder / CHANNEL).open("x+b") as file:
-            file.write(bytes(size))  # its space is taken now, not at a later fault
-            file.flush()
-            self._memory = mmap.mmap(file.fileno(), size)
+        if self._channel is None:  # else the FMU was instantiated anew
+            with (self._folder / CHANNEL).open("x+b") as file:
+                file.write(bytes(size))  # its space is taken now, not at a later fault
+                file.flush()
+                self._memory = mmap.mmap(file.fileno(), size)
         channel = c.Channel.from_buffer(self._memory)
         channel.doing = len(c.DOING)
         self._ask("bind", list(inputs), list(outputs))
         self._channel, self._names = channel, [v.name for v in inputs]
+        self.outcome = channel.outcome
         self._link.channel, self._link.stale = ctypes.addressof(channel), 1
         self._link.n_inputs, self._link.n_outputs = n, m
         values = np.frombuffer(self._memory, offset=ctypes.sizeof(channel))
@@ -163,6 +173,14 @@ class IsolatedInstance:
         to, values = self._from
         to[:] = values
 
+    def quiet(self) -> None:
+        self._ask("quiet")
+
+    def ended(self) -> Ended:
+        """Return how the FMU ended the run by its latest step."""
+        end: Ended = self._ask("ended")
+        return end
+
     def failed_step(self, h: float, status: int) -> SimulationError:
         """Return the error for a request through the channel that went wrong."""
         if status == REFUSED:
@@ -188,6 +206,7 @@ class IsolatedInstance:
         self._pipe.close()
         if self._channel is not None:
             self._link.channel, self._channel = None, None
+            self.outcome = c.Outcome()
             del self._to, self._from
             with suppress(BufferError):
                 self._memory.close()

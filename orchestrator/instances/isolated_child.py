@@ -26,8 +26,9 @@ from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.folders.temporary import sweep
 from orchestrator.instances.group import group_table
-from orchestrator.instances.instance import LocalInstance, LogMessage
+from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.load import load
+from orchestrator.instances.logs import LogMessage
 from orchestrator.native import library as c
 
 CHANNEL = "feeddrive-channel"  # file in the folder of the FMU
@@ -101,6 +102,7 @@ class _Server:
         with (self.folder / CHANNEL).open("r+b") as file:
             memory = mmap.mmap(file.fileno(), 0)
         self.shared = c.Channel.from_buffer(memory)
+        self.instance.outcome = self.shared.outcome
         values = np.frombuffer(memory, offset=ctypes.sizeof(self.shared))
         n = sum(v.size for v in inputs)
         self.instance.bind(values, inputs, 0, outputs, n)
@@ -121,6 +123,7 @@ class _Server:
             n_inputs=len(tables[0]),
             outputs=ctypes.addressof(tables[1]),
             n_outputs=len(tables[1]),
+            outcome=ctypes.addressof(instance.outcome),
             major=instance.step_major,
         )
         self._kept = tables, part

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.instances.instance import LocalInstance, LogMessage
+from orchestrator.instances.instance import LocalInstance
+from orchestrator.instances.logs import LogMessage
 
 
 def load(

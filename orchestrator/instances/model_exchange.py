@@ -27,7 +27,9 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-from orchestrator.instances.instance import LocalInstance, LogMessage
+from orchestrator.instances.ending import WHOLE, Ended
+from orchestrator.instances.instance import LocalInstance
+from orchestrator.instances.logs import LogMessage
 
 TOLERANCE = 1e-10
 ITERATIONS = 1000  # of one event
@@ -124,7 +126,15 @@ class ModelExchangeInstance(LocalInstance):
         self.clock.value = t
         with self._named(f"a step of {h:.9g} s"):
             self._begin()
-            self._integrate(t + h)
+            try:
+                self._integrate(t + h)
+            except Ended as end:
+                if end.at < t + h * (1 - WHOLE):
+                    raise
+                self._end, self.outcome.last = end, 1
+
+    def ended(self) -> Ended:
+        return self._end
 
     def _begin(self) -> None:
         """Let inputs set since the latest step take effect."""
@@ -150,7 +160,7 @@ class ModelExchangeInstance(LocalInstance):
                 stepped, over = self._fmu.completedIntegratorStep()
                 event |= stepped
                 if over:
-                    raise self.fail("completedIntegratorStep", "asked to end the run")
+                    raise self._over()
             event |= reached >= self._next_event
             over = reached >= end
             if event or over:
@@ -165,6 +175,10 @@ class ModelExchangeInstance(LocalInstance):
                 self._solver.reset(reached)
                 self._jumped = False
 
+    def _over(self) -> Ended:
+        reason = "an event asked to end the simulation"
+        return Ended(self.name, self._at, reason)
+
     def _settle(self) -> None:
         """Iterate the event in which the FMU is until nothing changes any more."""
         fmi2 = self.description.fmi_major == 2
@@ -172,7 +186,7 @@ class ModelExchangeInstance(LocalInstance):
         for _ in range(ITERATIONS):
             again, over, nominals, values, timed, when = update()
             if over:
-                raise self.fail("an event", "asked to end the run")
+                raise self._over()
             self._jumped |= bool(nominals or values)
             self._next_event = when if timed else inf
             if not again and self._next_event > self._at:

@@ -18,7 +18,7 @@ from orchestrator.system import System
 
 @dataclass(frozen=True)
 class Turn:
-    """When one component is due, in seconds; ``steps`` counts it over the run."""
+    """When one component is due, in seconds; ``steps`` counts its steps or ticks."""
 
     component: str
     kind: str
@@ -63,6 +63,7 @@ def describe_schedule(system: System) -> Plan:
     """
     timetable = plan(system)
     schedule, parts = timetable.schedule, timetable.wiring.parts
+    steps = timetable.steps()
     turns = tuple(
         Turn(
             name,
@@ -70,7 +71,7 @@ def describe_schedule(system: System) -> Plan:
             part.component.period,
             part.component.offset,
             part.component.latency,
-            schedule.ticks(name),
+            steps[name],
         )
         for name, part in parts.items()
     )
@@ -89,7 +90,7 @@ def describe_schedule(system: System) -> Plan:
 def _age(timetable: Timetable, edge: Edge) -> Age:
     source = timetable.wiring.parts[edge.source]
     sink = timetable.wiring.parts[edge.sink]
-    split = sink.kind == "continuous" and sink.fmu.variable_step
+    split = sink.splits
     every, read = source.component.period, sink.component.period
     if split:
         youngest = oldest = Fraction(0)

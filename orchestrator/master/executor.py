@@ -67,12 +67,17 @@ class Executor:
 
         Raises:
             SimulationError: an FMU failed or gave a value that is not finite.
+            Ended: an FMU ended the run.
         """
+        instances = list(self._instances.values())
         for k, program in self._timetable.instants():
             _, actions = self._compiled.get(id(program)) or self._compile(program)
             for action in actions:
                 action(k)
             self.count += 1
+            for instance in instances:
+                if instance.outcome.last:
+                    raise instance.ended()
             if self.count % YIELDED == 0:
                 yield k
 

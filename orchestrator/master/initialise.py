@@ -1,23 +1,29 @@
 """Bringing all FMUs to their initial state together.
 
-1. instantiate each, write parameters and start values, enter initialisation;
+1. instantiate each, set up its experiment, write parameters and start values, enter
+   initialisation; an FMU that refuses this without a stop time is made anew with it;
 2. in dependency order: write inputs, read outputs, copy;
 3. where outputs depend on each other in a circle, solve for the inputs at
-   which the circle was opened: Newton (SciPy's hybrid method), else repeated
-   substitution; refused with the circle's edges when neither converges;
-4. write all inputs, exit initialisation, read and copy once more.
+   which the circle was opened: repeated substitution, which reaches a fixed point
+   to the last bit where it gets there, else Newton (SciPy's hybrid method);
+   refused with the circle's edges when neither converges;
+4. write all inputs, exit initialisation, compare what was written with what the
+   FMU holds (``kept.py``), switch its logging off, read and copy once more.
 """
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.instances.instance import Instance
+from orchestrator.master.kept import held, refuse_changed
 from orchestrator.master.layout import Edge, Part, Wiring
 from orchestrator.master.order import initial_order
 from orchestrator.master.places import Copy, carry, store, views
+from orchestrator.warned import warn
 
 TOLERANCE = 1e-12
 SUBSTITUTIONS = 200
@@ -26,36 +32,68 @@ Vector = NDArray[np.float64]
 
 
 def initialise(
-    wiring: Wiring, instances: Mapping[str, Instance], vector: Vector
+    wiring: Wiring,
+    instances: Mapping[str, Instance],
+    vector: Vector,
+    *,
+    quiet: bool = True,
 ) -> None:
     """Initialise all instances and fill the vector with the values at t = 0.
+
+    ``quiet``: from then on the FMUs log errors only.
 
     Raises:
         SimulationError: an FMU refuses, or a circle has no solution that is found.
     """
     for name, part in wiring.parts.items():
-        _begin(part, instances[name], vector)
+        _begin(part, instances[name], vector, wiring.system.stop)
     order, opened = initial_order(wiring)
     unknown = places_opened(wiring, opened)
     if unknown:
         _solve(wiring, instances, vector, order, unknown, opened)
     else:
         _sweep(wiring, instances, vector, order, set())
-    for name in wiring.parts:
-        instances[name].push()
-        instances[name].exit_initialization()
+    for name, part in wiring.parts.items():
+        instance = instances[name]
+        instance.push()
+        before = held(part, instance)
+        instance.exit_initialization()
+        refuse_changed(part, before, held(part, instance))
+        if quiet:
+            instance.quiet()
     for name, part in wiring.parts.items():
         _exchange(part, instances[name], vector, part.copies)
 
 
-def _begin(part: Part, instance: Instance, vector: Vector) -> None:
+def _begin(part: Part, instance: Instance, vector: Vector, stop: Fraction) -> None:
+    told = float(stop) if part.component.experiment.stop else None
     instance.instantiate()
-    variables = [variable for variable, _ in part.start]
-    instance.write(variables, [v for _, values in part.start for v in values])
-    start = part.component.offset if part.kind == "sampled" else 0
-    instance.enter_initialization(float(start))
+    try:
+        _enter(part, instance, told)
+    except SimulationError as refused:
+        if told is not None:
+            raise
+        try:
+            instance.instantiate()
+            _enter(part, instance, float(stop))
+        except SimulationError:
+            raise refused from None
+        warn(
+            f"{part.name} ({part.fmu.path.name}) refuses its experiment without a stop "
+            f"time: it was handed the stop, {float(stop):.9g} s; write experiment = "
+            f"{{ stop = true }} to hand it over at once"
+        )
     instance.bind(vector, part.inputs, part.first_input, part.read, part.raw)
     store(vector, part.first_input, part.inputs, instance.read(part.inputs))
+
+
+def _enter(part: Part, instance: Instance, stop: float | None) -> None:
+    """Bring a new instance into initialisation."""
+    start = part.component.offset if part.kind == "sampled" else 0
+    instance.set_up(float(start), stop, part.component.experiment.tolerance)
+    variables = [variable for variable, _ in part.start]
+    instance.write(variables, [v for _, values in part.start for v in values])
+    instance.enter_initialization()
 
 
 def places_opened(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
@@ -108,22 +146,43 @@ def _solve(
     opened: Sequence[Edge],
 ) -> None:
     places, copies = list(unknown), list(unknown.values())
+    start = vector[places].copy()
+    if _substitute(wiring, instances, vector, order, places, copies):
+        return
+    vector[places] = start
     real = all(_is_real(wiring, place) for place in places)
     if real and _newton(wiring, instances, vector, order, places, copies):
         return
+    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
+    raise SimulationError(
+        f"initialisation: the circle through {listed} has no solution that "
+        f"substitution or Newton's method finds; set start values near one, or open the circle"
+    )
+
+
+def _substitute(
+    wiring: Wiring,
+    instances: Mapping[str, Instance],
+    vector: Vector,
+    order: Sequence[str],
+    places: list[int],
+    copies: list[Copy],
+) -> bool:
+    """Go round a circle until nothing moves; tell whether that was reached."""
     seen = views(vector)
     for _ in range(SUBSTITUTIONS):
         before = vector[places].copy()
-        _sweep(wiring, instances, vector, order, set(places))
-        for copy in copies:
-            carry(copy, seen, 0.0)
+        try:
+            _sweep(wiring, instances, vector, order, set(places))
+            for copy in copies:
+                carry(copy, seen, 0.0)
+        except SimulationError:  # far from a solution an FMU may refuse anything
+            return False
         if _settled(before, vector[places]):
-            return
-    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
-    raise SimulationError(
-        f"initialisation: the circle through {listed} has no solution that Newton's "
-        f"method or substitution finds; set start values near one, or open the circle"
-    )
+            return True
+        if not np.all(np.isfinite(vector[places])):
+            return False
+    return False
 
 
 def _is_real(wiring: Wiring, place: int) -> bool:

@@ -137,6 +137,8 @@ class Kernel:
         how = c.FAILURES[int(kernel.failure)]
         if how == "step":
             return instance.failed_step(float(kernel.h), status)
+        if how == "ended":
+            return instance.ended()
         if how == "tick":
             assert isinstance(instance, ClockedInstance)
             return instance.failed_tick(status)
@@ -215,6 +217,7 @@ class Kernel:
             line=line.ctypes.data,
             latency=part.component.latency,
             major=instance.step_major,
+            outcome=addressof(instance.outcome),
             ticker=self._ticker(instance),
         )
 

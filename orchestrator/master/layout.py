@@ -17,6 +17,7 @@ from orchestrator.fmu.start_values import start_values
 from orchestrator.instants import Instants
 from orchestrator.master.places import Copy
 from orchestrator.system import Component, Fault, Kind, System
+from orchestrator.unit import Unit, unit_of
 
 Link: TypeAlias = tuple[Port, Port, Affine]  # from an output to an input
 
@@ -54,6 +55,12 @@ class Part:
     @property
     def name(self) -> str:
         return self.component.name
+
+    @property
+    def splits(self) -> bool:
+        """Tell whether its steps are split where what it reads is published."""
+        wanted = self.component.split is not False
+        return self.kind == "continuous" and self.fmu.variable_step and wanted
 
     @property
     def read_size(self) -> int:
@@ -96,7 +103,7 @@ class Column:
     """
 
     name: str
-    unit: str
+    unit: Unit
     index: int
     affine: Affine
     published: Instants | None
@@ -105,7 +112,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Wiring:
-    """A system ready to be scheduled; ``tables`` groups the columns by row period."""
+    """A system ready to be scheduled; ``tables`` groups the columns by row period.
+
+    ``warnings`` are what of it is a guess, ``notes`` what is only worth knowing.
+    """
 
     system: System
     parts: Mapping[str, Part]
@@ -113,6 +123,7 @@ class Wiring:
     tables: Mapping[Fraction, tuple[Column, ...]]
     size: int
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]
     faulty: tuple[Faulty, ...] = ()
 
 
@@ -207,14 +218,10 @@ class Layout:
 
     def column(self, port: Port) -> Column:
         key = (port.component, port.variable.name)
-        affine = Affine(port.gain, port.offset)
-        if key in self.input_at:
-            index, affine = self.input_at[key], affine.inverse()
-        else:
-            index = self.read_at[key]
+        index = self.input_at[key] if key in self.input_at else self.read_at[key]
         place, dtype = index + port.element, port.variable.dtype
-        unit, published = port.unit or "1", self._published(port)
-        return Column(port.full_name, unit, place, affine, published, dtype)
+        unit, published = port.unit or unit_of("1"), self._published(port)
+        return Column(port.full_name, unit, place, port.to_ours, published, dtype)
 
     def _published(self, port: Port) -> Instants | None:
         """Return when a value changes: an input when its source is published."""

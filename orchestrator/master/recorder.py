@@ -8,7 +8,7 @@ Parquet.
 
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -76,9 +76,13 @@ class Recorder:
             table.flush()
 
     def close(self, *, complete: bool) -> None:
-        """End the streams; of a complete run make Parquet tables of them."""
+        """End the streams; of a complete run make Parquet tables of them.
+
+        Of a run that failed that failure is what counts: nothing is raised then.
+        """
         for table in self.tables.values():
-            table.close()
+            with nullcontext() if complete else suppress(SimulationError):
+                table.close()
         for table in self.tables.values() if complete else ():
             try:
                 _to_parquet(table.path)
@@ -89,7 +93,8 @@ class Recorder:
 def _about(column: Column) -> dict[str, str]:
     """Return a column's metadata: its unit, and the instants it is published at."""
     published = column.published
-    return {"unit": column.unit} | ({"published": str(published)} if published else {})
+    about = column.unit.metadata()
+    return about | ({"published": str(published)} if published else {})
 
 
 class Table:
@@ -113,7 +118,6 @@ class Table:
         self._dtypes = [np.dtype(c.dtype) for c in columns]
         self._file = path.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)
-        self._file.flush()  # readable, without rows, from the first moment
         self.index = np.array([c.index for c in columns], dtype=np.intp)
         self._affine = {
             i: (c.affine.gain, c.affine.offset)

@@ -26,8 +26,10 @@ from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
-from orchestrator.instances.instance import Instance, LogMessage
+from orchestrator.instances.ending import Ended
+from orchestrator.instances.instance import Instance
 from orchestrator.instances.load import load
+from orchestrator.instances.logs import LogMessage
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
@@ -35,7 +37,7 @@ from orchestrator.master.recorder import Recorder, refuse_no_room
 from orchestrator.master.timetable import Timetable
 from orchestrator.master.wiring import wire
 from orchestrator.profile import Profile, Spent
-from orchestrator.result import Result, Timing
+from orchestrator.result import End, Result, Timing
 from orchestrator.system import Isolation, System
 from orchestrator.warned import warn
 
@@ -82,6 +84,8 @@ def simulate(
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)
+    for guess in wiring.warnings:
+        warn(guess)
     folder.mkdir(parents=True, exist_ok=True)
     refuse_no_room(folder, wiring.tables, system.stop)
     vector = np.zeros(wiring.size)
@@ -91,7 +95,8 @@ def simulate(
             name: open_instance(name, part.fmu, stack, part.component.isolation, shared)
             for name, part in wiring.parts.items()
         }
-        initialise(wiring, instances, vector)
+        quiet = not LOG.isEnabledFor(logging.INFO)
+        initialise(wiring, instances, vector, quiet=quiet)
         recorder = Recorder(folder / "result", wiring.tables, vector)
         complete = False
         try:
@@ -99,14 +104,14 @@ def simulate(
                 engine = _engine(
                     executor, timetable, instances, vector, recorder, profile
                 )
-                timing = _execute(timetable, engine, recorder, progress)
+                timing, ended = _execute(timetable, engine, recorder, progress)
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
                 timing = replace(timing, profile=where)
             complete = True
         finally:
             recorder.close(complete=complete)
-    return Result(folder, timing)
+    return Result(folder, timing, ended)
 
 
 @contextmanager
@@ -149,7 +154,9 @@ def _engine(
         try:
             return Fused(timetable, instances, vector, recorder.tables)
         except CompileError as error:
-            raise SimulationError(f"executor fused cannot be compiled: {error}") from None
+            raise SimulationError(
+                f"executor fused cannot be compiled: {error}"
+            ) from None
     if executor != "python":
         from orchestrator.master.kernel import Kernel
 
@@ -220,15 +227,21 @@ def _execute(
     engine: Engine,
     recorder: Recorder,
     progress: Progress | None,
-) -> Timing:
+) -> tuple[Timing, End | None]:
+    """Carry out all instants, or those until an FMU ends the run."""
     begun = told = perf_counter()
-    for k in engine.run():
-        if (now := perf_counter()) - told > BETWEEN:
-            told = now
-            recorder.flush()
-            if progress:
-                progress(k * timetable.schedule.tick)
     stop = timetable.wiring.system.stop
-    if progress:
-        progress(stop)
-    return Timing(perf_counter() - begun, engine.count, float(stop), engine.name)
+    reached, ended = float(stop), None
+    try:
+        for k in engine.run():
+            if (now := perf_counter()) - told > BETWEEN:
+                told = now
+                recorder.flush()
+                if progress:
+                    progress(k * timetable.schedule.tick)
+    except Ended as end:
+        reached, ended = end.at, End(end.by, end.at, end.reason)
+    else:
+        if progress:
+            progress(stop)
+    return Timing(perf_counter() - begun, engine.count, reached, engine.name), ended

@@ -49,11 +49,12 @@ class Stepper:
                 component.name, self.description, stack, component.isolation
             )
             self._instance.instantiate()
+            self._instance.set_up(0.0, None, None)
             self._instance.write(
                 [variable for variable, _ in written],
                 [number for _, numbers in written for number in numbers],
             )
-            self._instance.enter_initialization(0.0)
+            self._instance.enter_initialization()
             self._instance.bind(np.zeros(0), (), 0, (), 0)
             self._instance.exit_initialization()
             self._stack = stack.pop_all()

@@ -117,9 +117,23 @@ class Timetable:
             begun, later = first + masks.offsets[0], (repeats - 1) * length
             last[:] = [k + later if k >= begun else k for k in last]
 
+    def steps(self) -> dict[str, int]:
+        """Count the steps and ticks of every component over the run."""
+        counted = dict.fromkeys(self.wiring.parts, 0)
+        stepping: dict[int, list[str]] = {}
+        for stretch in self.stretches():
+            for program in stretch.entries:
+                if id(program) not in stepping:
+                    stepping[id(program)] = [
+                        op.target for op in program if op.code in ("advance", "tick")
+                    ]
+                for name in stepping[id(program)]:
+                    counted[name] += stretch.repeats
+        return counted
+
     def _splitters(self, part: Part, bit: dict[str, int]) -> int:
         """Return the mask of the clocks that split a component's steps."""
-        if not part.fmu.variable_step:
+        if not part.splits:
             return 0
         wiring = self.wiring
         splitters = {e.source for e in wiring.edges if e.sink == part.name}

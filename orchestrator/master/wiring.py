@@ -10,7 +10,7 @@ from fractions import Fraction
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.fmu.ports import Affine, Port, connection, ports
+from orchestrator.fmu.ports import Port, connection, ports
 from orchestrator.master.layout import (
     Column,
     Edge,
@@ -33,11 +33,14 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     """
     for name, component in system.components.items():
         _check_component(system, component, fmus[name])
-    links, notes = _links(system, fmus)
+    links, notes, warnings = _links(system, fmus)
     recorded = {
         name: _ports_of(system, fmus, name, f"record.{name!r}")
         for name in system.record
     }
+    warnings += [
+        d for found in recorded.values() for port in found for d in port.doubts
+    ]
     layout = Layout(system, fmus, links, recorded)
     parts = {name: layout.part(name) for name in system.components}
     edges = tuple(
@@ -56,6 +59,7 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         {period: tuple(columns) for period, columns in tables.items()},
         layout.size,
         tuple(notes),
+        tuple(dict.fromkeys(warnings)),
         tuple(_faulty(system, fmus, layout)),
     )
 
@@ -92,9 +96,8 @@ def _faulty(
                     f"{where}: {port.full_name} is {port.variable.sort}, which has no "
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
-            affine = Affine(port.gain, port.offset)
             place = layout.input_at[key] + port.element
-            yield Faulty(edge, place, port.variable.dtype, affine, faults)
+            yield Faulty(edge, place, port.variable.dtype, port.to_theirs, faults)
 
 
 def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
@@ -117,8 +120,18 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
             f"{where}.step = {c.period} s, but {fmu.path.name} was built for a sample "
             f"time of {fmu.period} s; build it again with --period {c.period}"
         )
+    if c.split is not None and kind == "sampled":
+        raise WiringError(
+            f"{where}.split: a sampled component ticks, it has no step to split; "
+            f"remove it"
+        )
     if kind == "sampled" or fmu.variable_step:
         return
+    if c.split:
+        raise WiringError(
+            f"{where}.split = true: {fmu.path.name} only takes equal steps "
+            f"(canHandleVariableCommunicationStepSize is false); remove it"
+        )
     _refuse_no_multiple(where, c, fmu)
     if c.offset:
         raise ScheduleError(
@@ -149,9 +162,10 @@ def _refuse_no_multiple(where: str, c: Component, fmu: FmuDescription) -> None:
 
 def _links(
     system: System, fmus: Mapping[str, FmuDescription]
-) -> tuple[list[Link], list[str]]:
+) -> tuple[list[Link], list[str], list[str]]:
     links: list[Link] = []
     notes: list[str] = []
+    warnings: list[str] = []
     driven: dict[tuple[str, str, int], str] = {}
     for sink, source in system.connections.items():
         where = f"connections.{sink!r} = {source!r}"
@@ -171,10 +185,11 @@ def _links(
                     f"remove one of the two"
                 )
             driven[key] = origin.full_name
-            affine, note = connection(origin, target)
+            affine, note, doubts = connection(origin, target)
             links.append((origin, target, affine))
             notes.extend([note] if note else [])
-    return links, notes
+            warnings.extend(doubts)
+    return links, notes, warnings
 
 
 def _pairs(

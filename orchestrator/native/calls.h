@@ -11,7 +11,7 @@
 
 enum {
     NONE, STEP_FAILED, GET_FAILED, SET_FAILED, NOT_FINITE, DOES_NOT_FIT, TICK_FAILED,
-    COPY_FAILED
+    COPY_FAILED, ENDED
 };
 enum { WARNING = 1 };
 enum { F64, I64, U64, F32, I8, U8, I16, U16, I32, U32, BOOL32, BOOL8 };
@@ -108,18 +108,24 @@ static int tick(const Part *p) {
     return status;
 }
 
-/* Returns 0 if the step fails or the FMU wants to end. */
+/* Returns 0 if the step fails, or ends the run before it is whole. */
 static ALWAYS_INLINE int do_step(const Part *p, double t, double h, int *status) {
-    double reached;
+    const double whole = 1 - 1e-9; /* as in ending.py */
+    double reached = t + h;
     _Bool event, ended = 0, early = 0;
-    if (p->major == 2)
+    if (p->major == 2) {
         *status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t, h,
                                                                      1);
-    else
-        *status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
-                            double *))p->do_step)(p->instance, t, h, 1, &event,
-                                                  &ended, &early, &reached);
-    return *status <= WARNING && !ended && !early;
+        return *status <= WARNING;
+    }
+    *status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
+                        double *))p->do_step)(p->instance, t, h, 1, &event, &ended,
+                                              &early, &reached);
+    if (*status <= WARNING && !ended && !early)
+        return 1;
+    *p->outcome = (Outcome){reached, ended, early, 0};
+    p->outcome->last = *status <= WARNING && ended && reached >= t + h * whole;
+    return p->outcome->last;
 }
 
 /* From the tick just done to the next, in event mode at both. */
@@ -129,6 +135,10 @@ static int move_on(Kernel *kernel, Part *p, const Op *op, int64_t k) {
     int status = enter_step(p->instance);
     p->pending = 0;
     if (status <= WARNING && do_step(p, *p->clock, p->h, &status)) {
+        if (p->outcome->last) {
+            kernel->ending = 1 + op->target;
+            return 1;
+        }
         status = enter_event(p->instance);
         if (status <= WARNING)
             return 1;
@@ -153,6 +163,8 @@ static ALWAYS_INLINE int step(Kernel *kernel, Part *p, const Op *op, int64_t k,
     }
     if (!do_step(p, t, op->h, &status))
         return fail(kernel, STEP_FAILED, k, op, 0, status);
+    if (p->outcome->last)
+        kernel->ending = 1 + op->target;
     return 1;
 }
 

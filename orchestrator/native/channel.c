@@ -9,6 +9,7 @@
    The master stops waiting when the process has ended, after `within` seconds, or
    when a signal arrives. */
 
+#include "kernel.h"
 #include "turn.h"
 
 #include <stddef.h>
@@ -30,7 +31,7 @@ typedef struct {
     int32_t what, given, doing, failed;
     double t, h; /* s */
     int64_t steps;
-    char _[24];
+    Outcome outcome;
     double values[];
 } Channel;
 

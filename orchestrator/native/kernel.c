@@ -210,7 +210,11 @@ EXPORT int64_t kernel_run(Kernel *kernel, const Stretch *stretch, int64_t from,
                 if (!carry_out(kernel, op, &now))
                     return done;
         }
-        if (kernel->full)
+        if (kernel->ending) {
+            kernel->failure = ENDED;
+            kernel->part = kernel->ending - 1;
+        }
+        if (kernel->full || kernel->ending)
             return done + 1;
         if (++i == stretch->n) {
             i = 0;

@@ -32,6 +32,12 @@ typedef struct {
     size_t first, end;
 } Span;
 
+/* How the latest step of an FMU ended; `last` after a whole one that ends the run. */
+typedef struct {
+    double reached; /* s */
+    int32_t ended, early, last;
+} Outcome;
+
 /* What ticks an FMU by its clock; see orchestrator/instances/clocked.py. */
 typedef struct {
     Function *set_clock, *update, *enter_step, *enter_event;
@@ -55,6 +61,7 @@ typedef struct {
     int32_t major;
     int64_t steps, readings; /* readings of the clock, and s, when profiled */
     double spent;
+    Outcome *outcome;
     const Ticker *ticker; /* NULL: do_step ticks */
     int32_t pending;      /* after a tick, until it was moved on */
     double h;
@@ -86,7 +93,7 @@ typedef struct {
     void (*fault)(int32_t target, int64_t instant); /* a part, or behind the last */
     int32_t profiled;
     /* what happened */
-    int32_t full, failure, status;
+    int32_t full, ending, failure, status; /* ending: 1 + the part that ends the run */
     int64_t instant;
     int32_t part, group;
     double h;

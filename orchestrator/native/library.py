@@ -15,7 +15,10 @@ from fmus.compile import compile_alone, host_platform
 
 SOURCES = sorted(Path(__file__).parent.glob("*.[ch]"))
 CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
-FAILURES = ("", "step", "get", "set", "not finite", "does not fit", "tick", "copy")
+FAILURES = (
+    *("", "step", "get", "set", "not finite", "does not fit", "tick", "copy"),
+    "ended",
+)
 DOING = ("set", "doStep", "get")  # of a channel
 ASK = ("step", "exchange", "leave")
 TYPES: tuple[Any, ...] = (
@@ -71,6 +74,17 @@ class Span(ctypes.Structure):
     _fields_: ClassVar[Any] = [("first", c_size_t), ("end", c_size_t)]
 
 
+class Outcome(ctypes.Structure):
+    """How the latest step of an FMU ended."""
+
+    _fields_: ClassVar[Any] = [
+        ("reached", c_double),
+        ("ended", c_int32),
+        ("early", c_int32),
+        ("last", c_int32),
+    ]
+
+
 class Ticker(ctypes.Structure):
     """What ticks an FMU by its clock."""
 
@@ -111,6 +125,7 @@ class Part(ctypes.Structure):
         ("steps", c_int64),
         ("readings", c_int64),
         ("spent", c_double),
+        ("outcome", c_void_p),
         ("ticker", c_void_p),
         ("pending", c_int32),
         ("h", c_double),
@@ -162,6 +177,7 @@ class Kernel(ctypes.Structure):
         ("fault", FaultFunction),
         ("profiled", c_int32),
         ("full", c_int32),
+        ("ending", c_int32),
         ("failure", c_int32),
         ("status", c_int32),
         ("instant", c_int64),
@@ -208,7 +224,7 @@ class Channel(ctypes.Structure):
         ("t", c_double),
         ("h", c_double),
         ("steps", c_int64),
-        ("_", ctypes.c_char * 24),
+        ("outcome", Outcome),
     ]
 
 

@@ -55,6 +55,12 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         ),
         *(
             f"<p class=warning>{escape(f'{name}: ' if len(runs) > 1 else '')}"
+            f"{escape(str(run.ended))}</p>"
+            for run, name in zip(runs, names_of(runs), strict=True)
+            if run.ended
+        ),
+        *(
+            f"<p class=warning>{escape(f'{name}: ' if len(runs) > 1 else '')}"
             f"{escape(text)}</p>"
             for run, name in zip(runs, names_of(runs), strict=True)
             for text in run.warnings

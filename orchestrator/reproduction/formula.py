@@ -1,6 +1,7 @@
 """Arithmetic in named numbers, for figures made of other figures."""
 
 import ast
+import math
 import operator
 from collections.abc import Callable, Mapping
 
@@ -20,7 +21,7 @@ def evaluate_formula(formula: str, values: Mapping[str, float]) -> float:
     """Return the value of an arithmetic formula in named numbers.
 
     Raises:
-        ScenarioError: anything but numbers, names and + - * / ** ( ), or 1/0.
+        ScenarioError: anything but numbers, names, + - * / ** ( ) and log10( ), or 1/0.
     """
 
     def value(node: ast.AST) -> float:
@@ -35,9 +36,13 @@ def evaluate_formula(formula: str, values: Mapping[str, float]) -> float:
                 return _OPERATORS[type(op)](value(left), value(right))
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return -value(operand)
-        raise ScenarioError(f"{formula}: write numbers, names and + - * / ** ( ) only")
+            case ast.Call(func=ast.Name(id="log10"), args=[argument], keywords=[]):
+                return math.log10(value(argument))
+        raise ScenarioError(
+            f"{formula}: write numbers, names, + - * / ** ( ) and log10( ) only"
+        )
 
     try:
         return value(ast.parse(formula, mode="eval").body)
-    except (SyntaxError, ArithmeticError) as error:
+    except (SyntaxError, ArithmeticError, ValueError) as error:
         raise ScenarioError(f"{formula}: {error}") from None

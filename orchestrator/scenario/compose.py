@@ -29,12 +29,14 @@ from orchestrator.scenario.schema import (
 )
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.swapped import refuse_lost_inputs, refuse_unknown_names
+from orchestrator.scenario.unit_names import read_units
 from orchestrator.scenario.values import Part, Values
 from orchestrator.scenario.without_effect import without_effect
 from orchestrator.system import (
     Fault,
     System,
 )
+from orchestrator.unit import Unit
 from orchestrator.warned import collecting, warn
 
 RunEarlier: TypeAlias = Callable[[str], Result]
@@ -69,7 +71,7 @@ class Composition:
         actual, nominal = self._values
         return (actual if actual.has(name) else nominal).quantity(name)
 
-    def unit(self, name: str) -> str:
+    def unit(self, name: str) -> Unit:
         """Return the unit in which ``component.variable`` is recorded.
 
         Raises:
@@ -88,7 +90,9 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     """
     with collecting() as warnings:
         found = _compose(scenario, earlier)
-    return replace(found, warnings=tuple(warnings))
+        spec = read_units(scenario.spec, found.fmus, found.unit, found.parameter)
+    read = replace(scenario, spec=spec)
+    return replace(found, scenario=read, warnings=tuple(warnings))
 
 
 def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:

@@ -13,7 +13,7 @@ from orchestrator.fmu.description import read_fmu
 from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
-from orchestrator.system import Component, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 
 
 @dataclass(frozen=True)
@@ -92,4 +92,6 @@ def component_of(
             float(spec.answer_within),
             spec.memory_limit,
         ),
+        experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
+        split=spec.split,
     )

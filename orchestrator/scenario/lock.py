@@ -94,7 +94,9 @@ def _component(component: Component) -> dict[str, Any]:
         "start": _plain(component.start),
         "map": {
             name: {
-                key: value for key, value in vars(mapped).items() if value is not None
+                key: str(value) if key == "unit" else value
+                for key, value in vars(mapped).items()
+                if value is not None
             }
             for name, mapped in component.map.items()
         },
@@ -102,6 +104,13 @@ def _component(component: Component) -> dict[str, Any]:
     if component.kind is not None:
         written["kind"] = component.kind
     written |= _isolation(component.isolation)
+    experiment = component.experiment
+    if experiment.stop:
+        written["experiment"] = {"stop": True}
+    if experiment.tolerance is not None:
+        written.setdefault("experiment", {})["tolerance"] = experiment.tolerance
+    if component.split is not None:
+        written["split"] = component.split
     return {key: value for key, value in written.items() if value != {}}
 
 
@@ -118,11 +127,17 @@ def _isolation(isolation: Isolation) -> dict[str, Any]:
 
 def _metric(spec: MetricSpec, composition: Composition) -> dict[str, Any]:
     """Return a metric's table, its factors as numbers with their units."""
-    table = spec.model_dump(exclude_none=True)
-    for key, field in type(spec).model_fields.items():
-        if field.annotation == Factor and isinstance(table.get(key), str):
-            found = factor(table[key], composition.parameter)
-            table[key] = f"{found.value!r} {found.unit}"
+    fields = type(spec).model_fields.items()
+    factors = {
+        key: written
+        for key, field in fields
+        if field.annotation == Factor
+        and not isinstance(written := getattr(spec, key), float)
+    }
+    table = spec.model_dump(exclude_none=True, exclude=set(factors))
+    for key, written in factors.items():
+        found = factor(written, composition.parameter)
+        table[key] = f"{found.value!r} {found.unit}"
     return table
 
 

@@ -1,7 +1,7 @@
 """What ``--set key=value`` changes in a scenario's tables.
 
     component.parameter   component.nested.parameter   component.state.x_1
-    component.step  .offset  .latency  .fmu  .kind     (of the component itself)
+    component.step  .offset  .latency  .fmu  .kind  .split   (of the component itself)
     rates.name   stop   fmi
     faults.component.input.value  .samples  .window  .kind
     faults.component.input=false (leave it out)
@@ -21,7 +21,7 @@ from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
 from orchestrator.scenario.schema import parse_value
 
-_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind")
+_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
 _OF_DESIGN = ("from_run", "call")
 _OF_FAULT = ("kind", "value", "samples", "window")
 

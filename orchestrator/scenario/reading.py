@@ -40,7 +40,7 @@ REMOVABLE = (
     "metrics",
     "expect",
 )
-_KEPT = ("step", "offset", "latency", "kind")  # by a component that is swapped
+_KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 _NOT_SCENARIOS = ("reference.toml",)
 
 

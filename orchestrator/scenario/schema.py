@@ -88,9 +88,23 @@ class MapSpec(Strict):
     """A foreign variable under our name: theirs, gain, offset, unit of our side."""
 
     name: str
-    gain: float = 1.0
-    offset: float = 0.0
+    gain: float | None = None
+    offset: float | None = None
     unit: str | None = None
+
+    @field_validator("gain")
+    @classmethod
+    def _passes_something(cls, value: float | None) -> float | None:
+        if value is not None and (value == 0 or not np.isfinite(value)):
+            raise ValueError(f"{value} is no gain: a finite number other than zero")
+        return value
+
+
+class ExperimentSpec(Strict):
+    """Whether the stop time is handed over, and a relative tolerance."""
+
+    stop: bool = False
+    tolerance: float | None = Field(default=None, gt=0)
 
 
 class ComponentSpec(Strict):
@@ -107,6 +121,8 @@ class ComponentSpec(Strict):
     isolation: Literal["process", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
+    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
+    split: bool | None = None
 
     @field_validator("map", mode="before")
     @classmethod

@@ -1,6 +1,7 @@
 """What a swap may not do: name what is not there, or leave an input unfed."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, read_fmu
@@ -12,16 +13,18 @@ from orchestrator.system import Component, Value, split_name
 
 
 def refuse_unknown_names(component: Component, fmu: FmuDescription) -> None:
-    """Raise ``WiringError`` if a component's map names a variable the FMU lacks."""
+    """Raise ``WiringError`` if a component's map names a variable the FMU lacks, or
+    a unit that its variable cannot be had in."""
     for ours, mapped in component.map.items():
         try:
-            ports(component, fmu, ours)
+            ports(replace(component, map={}), fmu, mapped.name)
         except WiringError:
             raise WiringError(
                 f"components.{component.name}.map: {ours} is {mapped.name!r} there, "
                 f"but {fmu.path.name} has no such variable; "
                 f"{did_you_mean(mapped.name, fmu.variables)}"
             ) from None
+        ports(component, fmu, ours)
 
 
 def refuse_lost_inputs(

@@ -8,6 +8,7 @@ from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.quantity import Quantity
 from orchestrator.system import Component, Value, split_name
+from orchestrator.unit import Unit, unit_of
 
 Part: TypeAlias = tuple[Component, FmuDescription]
 
@@ -47,14 +48,14 @@ class Values:
             raise ScenarioError(f"{name} is an array; name one number")
         return Quantity(float(value), self.unit(name))
 
-    def unit(self, name: str) -> str:
+    def unit(self, name: str) -> Unit:
         """Return the unit of ``component.variable`` on our side, ``1`` without.
 
         Raises:
             ScenarioError: there is no such variable.
         """
         _, found, _ = self._find(name)
-        return found[0].unit or "1"
+        return found[0].unit or unit_of("1")
 
     def has(self, name: str) -> bool:
         """Tell whether there is such a variable."""
@@ -93,4 +94,5 @@ def _start(port: Port) -> float:
     word = words[port.element if len(words) > 1 else 0]
     theirs = {"true": 1.0, "false": 0.0}.get(word)
     theirs = float(word) if theirs is None else theirs
-    return (theirs - port.offset) / port.gain
+    affine = port.to_ours
+    return affine.gain * theirs + affine.offset

@@ -3,10 +3,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pint import UnitRegistry
 
-from fmus.units import BaseUnit, UnitError, base_unit, conversion
+from fmus import unit_names
+from fmus.units import BaseUnit, TurnError, UnitError, base_unit, conversion
 
 NAMES = ["N", "V", "m", "mm", "um", "s", "rad", "deg", "kg", "g", "A", "Hz", "percent"]
 REGISTRY = UnitRegistry()
+PINTS_BASES = (
+    "gram",
+    "meter",
+    "second",
+    "ampere",
+    "kelvin",
+    "mole",
+    "candela",
+    "radian",
+)
 
 factors = st.tuples(st.sampled_from(NAMES), st.integers(1, 3), st.sampled_from("./"))
 
@@ -83,17 +94,116 @@ def test_a_temperature_has_an_offset():
 
 
 def test_an_ignored_radian_is_reported():
-    assert conversion(base_unit("rad/s"), base_unit("1/s")).ignored_rad
+    assert conversion(base_unit("N.m"), base_unit("N.m/rad")).ignored_rad
+
+
+def test_a_frequency_is_no_angular_frequency():
+    with pytest.raises(TurnError):
+        conversion(base_unit("Hz"), base_unit("rad/s"))
 
 
 def test_different_dimensions_are_refused():
-    with pytest.raises(UnitError, match=r"kg1.m1.s-2 is not m1"):
+    with pytest.raises(UnitError, match=r"kg.m.s-2 is not m"):
         conversion(base_unit("N"), base_unit("m"))
 
 
 @pytest.mark.parametrize(
-    "text", ["", "V.", "V..s", "(V", "V)", "V s", "dB", "bit", "degC.m", "degC2", "T_s"]
+    "text", ["", "V.", "V..s", "(V", "V)", "dB", "bit", "degC.m", "degC2", "T_s"]
 )
 def test_what_is_no_unit_is_refused(text):
     with pytest.raises(UnitError, match="unit"):
         base_unit(text)
+
+
+SPELLED = {
+    "N.m": ["Nm", "N*m", "N m", "N-m", "N·m", "N⋅m", "newton.meter", "J"],
+    "mN.m": ["mNm", "Nmm"],
+    "N.m.s/rad": ["Nms/rad", "N*m*s/rad", "N.m/(rad/s)", "N.m.s.rad-1"],
+    "m/s2": [
+        "m/s^2",
+        "m/s**2",
+        "m/s²",
+        "m.s-2",
+        "m.s^-2",
+        "m s⁻²",
+        "m/s/s",
+        "m*s^(-2)",
+    ],
+    "kg.m2": ["kgm2", "kgm^2", "kg*m^2", "kg m2", "kg·m²", "kg-m^2"],
+    "rad.s-1": ["rad/s", "rad s-1", "radian/second", "Rad/sec"],
+    "rev/min": [
+        "rpm",
+        "RPM",
+        "U/min",
+        "r/min",
+        "turn/min",
+        "revolution/minute",
+        "revs/min",
+    ],
+    "1/min": ["min-1", "min^-1"],
+    "ohm": ["Ohm", "Ω", "Ohms", "V/A", "OHM"],
+    "kohm": ["kOhm", "kΩ"],
+    "V.s/rad": ["Vs/rad", "V*s/rad", "Wb/rad"],
+    "A.s": ["As", "C"],
+    "1": ["-", "unitless", "m/m"],
+    "percent": ["%"],
+    "degC": ["°C", "Celsius"],
+    "deg": ["°", "degree", "degrees"],
+    "um": ["µm", "μm", "micron", "micrometer"],
+    "L/min": ["l/min", "lpm", "liter/min"],
+    "inch": ["in"],
+}
+
+
+@pytest.mark.parametrize("unit", SPELLED)
+def test_every_spelling_of_a_unit_means_the_same(unit):
+    for spelling in SPELLED[unit]:
+        assert base_unit(spelling) == base_unit(unit), spelling
+
+
+OF_PINT = {"ohm": "ohm", "rev": "turn", "gon": "grade", "micron": "micron", "1": ""}
+OF_PINT |= {
+    "PS": "metric_horsepower",
+    "kgf": "kilogram_force",
+    "VA": "V*A",
+    "t": "tonne",
+}
+OF_PINT |= {"lpm": "l/min", "degC": "kelvin", "degF": "delta_degF"}
+PRODUCTS = {"Nm": "N*m", "Vs": "V*s", "As": "A*s", "Ws": "W*s", "Nms": "N*m*s"}
+PRODUCTS |= {"Nmm": "N*mm", "Ncm": "N*cm", "kgm": "kg*m", "kgm2": "kg*m**2"}
+PRODUCTS |= {"kgcm2": "kg*cm**2", "kgmm2": "kg*mm**2", "gcm2": "g*cm**2"}
+PRODUCTS |= {"gmm2": "g*mm**2", "L": "liter"}
+
+
+def test_the_table_agrees_with_that_of_pint():
+    """Names and prefixes; pint reads some as other things (Nm is its yarn count)."""
+    names = [*unit_names.PREFIXED, *unit_names.PLAIN]
+    for name in names:
+        text = PRODUCTS.get(name) or OF_PINT.get(name, name)
+        root = REGISTRY.Quantity(1, text).to_root_units()
+        ours = base_unit(name)
+        assert ours.factor * 1000.0**ours.kg == pytest.approx(root.m, rel=1e-8), name
+        theirs = {str(n): e for n, e in root.unit_items()}
+        exponents = [theirs.pop(base, 0) for base in PINTS_BASES]
+        assert exponents == [getattr(ours, base) for base in unit_names.BASE], name
+        assert not theirs
+
+
+@pytest.mark.parametrize(
+    ("misspelt", "meant"),
+    [("rads", "rad"), ("Newtonmeter", "newton"), ("revs/mn", "min"), ("kOmh", "kOhm")],
+)
+def test_an_unknown_unit_names_the_nearest(misspelt, meant):
+    with pytest.raises(UnitError, match=f"did you mean.*'{meant}'"):
+        base_unit(misspelt)
+
+
+@pytest.mark.parametrize("text", ["pu", "Nmm2", "grad", "furlongs", "k", "Nm2"])
+def test_what_may_mean_two_things_is_no_unit(text):
+    with pytest.raises(UnitError):
+        base_unit(text)
+
+
+def test_an_offset_does_not_apply_to_a_difference():
+    degrees, kelvin = base_unit("degC"), base_unit("K")
+    assert conversion(degrees, kelvin, relative=True) == (1.0, 0.0, False)

@@ -14,10 +14,9 @@ from orchestrator.quantity import (
     parse_period,
     parse_quantity,
     parse_time,
-    product_unit,
-    quotient_unit,
     time_text,
 )
+from orchestrator.unit import product_unit, quotient_unit
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@
    the start, 3 they are of the wrong sign, 4 those of
    outputs in time are not a number, 5 they are twice as much; OUTPUTS: 0 a co-simulation shows
    inputs after the step only. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
 #include <math.h>

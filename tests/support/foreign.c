@@ -6,6 +6,7 @@
    step it fails: 1 step, 2 get, 3 set, 4 output not a number, 5 wants to end,
    6 warns.  config.h defines FMI as 2 or 3, the
    number of TYPES, and the functions that are absent. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
 #include <math.h>

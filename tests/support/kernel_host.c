@@ -1,6 +1,7 @@
 /* Runs kernel.c on an FMU linked into this program: 1000 times create, initialise,
    run 50 instants with a latency line and a table, free.  TOKEN is the FMU's;
    with CLOCKED every fourth instance is ticked by its clock. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "../../orchestrator/native/kernel.c"
 
 #include "fmi2Functions.h"
@@ -62,7 +63,8 @@ static void run(int major, int clocked) {
                      CLOCK_REFERENCE};
     Copy copy = {v, v + 2, 0.5, 1.0, F64, F64};
     Span span = {0, 1};
-    Part part = {.instance = it,
+    Outcome outcome = {0};
+    Part part = {.instance = it, .outcome = &outcome,
                  .do_step = major == 2 ? (Function *)fmi2DoStep : (Function *)fmi3DoStep,
                  .clock = &clock, .inputs = &in, .outputs = &out, .n_inputs = 1,
                  .n_outputs = 1, .copies = &copy, .n_copies = 1, .n_doubles = 1,

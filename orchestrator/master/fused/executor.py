@@ -196,5 +196,3 @@ def taken_over(own: Own, instance: Instance, memory: Memory) -> None:
             place = slice(variable.reference, variable.reference + variable.size)
             values[place, 0] = instance.read([variable])
     memory.make_lines(own)
-
-

@@ -9,12 +9,13 @@ the others go on; members whose delayed inputs part company run one by one.
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import byref
 from dataclasses import dataclass, field
-from typing import Any
+from fractions import Fraction
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.errors import SimulationError
+from orchestrator.errors import FeedDriveError, SimulationError, WiringError
 from orchestrator.master.fused.executor import (
     APART,
     LINE_FULL,
@@ -24,22 +25,23 @@ from orchestrator.master.fused.executor import (
 from orchestrator.master.fused.library import load
 from orchestrator.master.fused.memory import Memory, aligned
 from orchestrator.master.fused.source import Own, Source
-from orchestrator.master.layout import Column
+from orchestrator.master.layout import Column, Part
+from orchestrator.master.member import Values, part_with
 from orchestrator.master.timetable import Timetable, table_name
-from orchestrator.result import Signal
+from orchestrator.result import Recorded, Signal
 
 FloatArray = NDArray[np.float64]
 UNSETTLED = 4
 MEMORY = 1 << 30  # bytes of rows at most
-Overrides = Mapping[str, Mapping[int, float]]  # component, reference -> value
+Start: TypeAlias = Mapping[str, FloatArray]  # values of the components that differ
 
 
 @dataclass(frozen=True)
 class Member:
     """One run: its recorded signals, or why there are none."""
 
-    signals: Mapping[str, Signal] = field(default_factory=dict)
-    failure: SimulationError | None = None
+    signals: Recorded = field(default_factory=lambda: Recorded({}))
+    failure: FeedDriveError | None = None
 
 
 class Lanes:
@@ -65,6 +67,7 @@ class Lanes:
             table_name(period): [c for c in columns if c.name in signals]
             for period, columns in wiring.tables.items()
         }
+        self._periods = {table_name(period): period for period in wiring.tables}
         self._times = {
             name: _times(timetable, name) for name, of in self._columns.items() if of
         }
@@ -77,35 +80,44 @@ class Lanes:
         places = {n: [c.index for c in of] for n, of in self._columns.items()}
         self._source = Source(timetable, found, places)
         self._text = self._source.text()
-        self._base = {n: _base(own) for n, own in self._source.own.items()}
+        self._base = {n: _base(own, own.part) for n, own in self._source.own.items()}
 
-    def run(self, members: Sequence[Overrides]) -> Iterator[Member]:
+    def run(self, members: Sequence[Values]) -> Iterator[Member]:
         """Yield every member's signals or failure, in order."""
-        for group in self._grouped(members):
-            yield from self._run(group, self.width)
-
-    def _grouped(self, members: Sequence[Overrides]) -> Iterator[Sequence[Overrides]]:
-        """Yield members that fit into one vector: dead times are equal there."""
-        group: list[Overrides] = []
-        last: tuple[float, ...] = ()
+        held: list[Start] = []
         for member in members:
-            times = self._dead_times(member)
-            if group and (times != last or len(group) == self.width):
-                yield group
-                group = []
-            group.append(member)
-            last = times
-        if group:
-            yield group
+            try:
+                start = self._start(member)
+            except WiringError as error:
+                yield from self._run(held, self.width)
+                yield Member(failure=error)
+                held = []
+                continue
+            full = len(held) == self.width
+            if held and (full or self._dead_times(start) != self._dead_times(held[0])):
+                yield from self._run(held, self.width)
+                held = []
+            held.append(start)
+        yield from self._run(held, self.width)
 
-    def _dead_times(self, member: Overrides) -> tuple[float, ...]:
+    def _start(self, member: Values) -> "Start":
+        parts = self._timetable.wiring.parts
+        own = self._source.own
+        changed = {
+            name: part_with(parts[name], given) for name, given in member.items()
+        }
+        return {name: _base(own[name], part) for name, part in changed.items()}
+
+    def _dead_times(self, start: "Start") -> tuple[float, ...]:
         return tuple(
-            member.get(name, {}).get(tau, float(self._base[name][tau]))
+            float(start.get(name, self._base[name])[tau])
             for name, own in self._source.own.items()
             for _, tau, _ in own.equations.delays
         )
 
-    def _run(self, group: Sequence[Overrides], width: int) -> Iterator[Member]:
+    def _run(self, group: Sequence["Start"], width: int) -> Iterator[Member]:
+        if not group:
+            return
         rows = {
             name: aligned((len(times), len(self._columns[name]), width))
             for name, times in self._times.items()
@@ -121,21 +133,23 @@ class Lanes:
             for member in group:
                 yield from self._run([member], 1)
             return
+        turned = {  # every lane's rows side by side
+            name: np.ascontiguousarray(of.transpose(2, 1, 0))
+            for name, of in rows.items()
+        }
         for lane in range(len(group)):
             failure = self._failure(memory, lane, width)
             if failure is not None:
                 yield Member(failure=failure)
             else:
-                yield Member(self._signals(rows, lane))
+                yield Member(self._signals(turned, lane))
 
-    def _fill(self, memory: Memory, group: Sequence[Overrides], width: int) -> None:
+    def _fill(self, memory: Memory, group: Sequence["Start"], width: int) -> None:
         for name, own in self._source.own.items():
-            values = memory.values[name]
-            values[: len(self._base[name])] = self._base[name][:, None]
+            base, values = self._base[name], memory.values[name]
             for lane in range(width):
-                member = group[min(lane, len(group) - 1)]  # the last fills up
-                for reference, value in member.get(name, {}).items():
-                    values[reference, lane] = value
+                start = group[min(lane, len(group) - 1)]  # the last fills up
+                values[: len(base), lane] = start.get(name, base)
             memory.make_lines(own)
 
     def _all_instants(self, library: Any, engine: Any) -> None:
@@ -161,7 +175,9 @@ class Lanes:
         engine = memory.engine
         schedule = self._timetable.schedule
         if engine.failure == UNSETTLED:
-            return SimulationError("initialisation: a circle settles by no substitution")
+            return SimulationError(
+                "initialisation: a circle settles by no substitution"
+            )
         if engine.failure == LINE_FULL:
             name = self._source.parts[engine.part]
             return SimulationError(
@@ -175,21 +191,24 @@ class Lanes:
         own = self._source.own[name]
         return not_finite(own, memory.values[name][:, lane], t)
 
-    def _signals(self, rows: Mapping[str, FloatArray], lane: int) -> dict[str, Signal]:
-        signals = {}
+    def _signals(self, rows: Mapping[str, FloatArray], lane: int) -> Recorded:
+        tables: dict[Fraction, dict[str, Signal]] = {}
         for table, times in self._times.items():
+            signals = tables.setdefault(self._periods[table], {})
             for i, column in enumerate(self._columns[table]):
-                values = np.ascontiguousarray(rows[table][:, i, lane])
+                values = rows[table][lane, i]
                 if column.affine.converts:
                     values = column.affine.gain * values + column.affine.offset
-                signals[column.name] = Signal(column.name, times, values, column.unit)
-        return signals
+                signals[column.name] = Signal(
+                    column.name, times, values, column.unit, column.published
+                )
+        return Recorded(tables)
 
 
-def _base(own: Own) -> FloatArray:
+def _base(own: Own, part: Part) -> FloatArray:
     """Return a component's values before initialisation, as its FMU would hold them."""
     values = np.array(own.equations.start[: own.equations["size"]])
-    for variable, given in own.part.start:
+    for variable, given in part.start:
         values[variable.reference : variable.reference + variable.size] = given
     return values
 

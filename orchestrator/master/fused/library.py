@@ -14,7 +14,12 @@ from orchestrator.native import library as kernel
 
 HEADERS = Path(kernel.__file__).parent / "fused"
 ELEMENTARY = ("elementary.h", "angles.h", "sums.h")
-QUIET = ("-Wno-unused-function", "-Wno-unused-but-set-variable", "-Wno-pass-failed", "-Wno-macro-redefined")
+QUIET = (
+    "-Wno-unused-function",
+    "-Wno-unused-but-set-variable",
+    "-Wno-pass-failed",
+    "-Wno-macro-redefined",
+)
 
 
 @cache
@@ -153,6 +158,3 @@ def _processor() -> str:
         ]
         said += "".join(sorted(set(flags)))
     return sha256(said.encode()).hexdigest()[:12]
-
-
-

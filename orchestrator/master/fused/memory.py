@@ -108,5 +108,3 @@ def capacity(equations: Equations, delay: tuple[int, int, int], tau: float) -> i
     """Return how many changes a delay line has room for at a dead time (s)."""
     wanted = ceil(tau / equations.numbers["h_max"] * SHORTEST) + 2
     return max(delay[2], min(max(wanted, 2), LONGEST_LINE))
-
-

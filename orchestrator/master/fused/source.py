@@ -17,8 +17,8 @@ from math import ceil
 from fmus.equations import Equations
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.ports import Affine
-from orchestrator.master.initialise import SUBSTITUTIONS, TOLERANCE, places_opened
-from orchestrator.master.layout import Faulty, Part, Wiring
+from orchestrator.master.initialise import SUBSTITUTIONS, places_opened
+from orchestrator.master.layout import Faulty, Part
 from orchestrator.master.order import initial_order
 from orchestrator.master.places import Copy
 from orchestrator.master.timetable import Op, Program, Timetable, table_name
@@ -281,7 +281,7 @@ class Source:
             yield "    sweep(e);"
             return
         n = len(opened)
-        yield f"    for (int round = 0, unlike = 1; unlike; round++) {{"
+        yield "    for (int round = 0, unlike = 1; unlike; round++) {"
         yield f"        V before[{n}];"
         for i, place in enumerate(opened):
             yield f"        before[{i}] = z[{place}];"
@@ -367,14 +367,11 @@ def _published(own: Own) -> Iterator[str]:
 def _held(own: Own) -> Iterator[str]:
     part, here = own.part, f"e->parts[{own.index}]"
     n, latency = part.delayed, part.component.latency
-    yield (
-        f"memcpy({here}.held + {here}.head * {n}, z + {part.raw}, {n} * sizeof(V));"
-    )
+    yield (f"memcpy({here}.held + {here}.head * {n}, z + {part.raw}, {n} * sizeof(V));")
     yield f"{here}.head = {here}.head + 1 == {latency} ? 0 : {here}.head + 1;"
     if rest := part.read_size - n:
         yield (
-            f"memcpy(z + {part.published + n}, z + {part.raw + n}, "
-            f"{rest} * sizeof(V));"
+            f"memcpy(z + {part.published + n}, z + {part.raw + n}, {rest} * sizeof(V));"
         )
 
 

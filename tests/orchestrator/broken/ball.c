@@ -1,6 +1,7 @@
 /* A bouncing ball for model exchange, FMI 2.0 and 3.0: state events where it meets
    the floor, a time event at t_kick (its speed grows by kick), a step event never.
    v' = u - g; the floor returns e of the speed. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,7 @@
 /* Model exchange, FMI 2.0 and 3.0 (config.h): s is the state x (x' = rate + decay x),
    the time or the input u, as `by` says 0, 1 or 2; z = sign (s - level) is its event
    indicator; `on` is z > 0, renewed in event mode only, `changed` when that was. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
 #include <stddef.h>

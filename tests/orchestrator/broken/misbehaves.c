@@ -1,6 +1,7 @@
 /* An FMI 2.0 co-simulation FMU that misbehaves in the way `mode` says, in the step
    that begins at `at` or later; HANG_WHEN_FREED when it is freed, WANT_EQUAL_STEPS in
    a step that is not as long as the first.  Until then y = u + t. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 
 #include <stddef.h>
 #include <stdlib.h>

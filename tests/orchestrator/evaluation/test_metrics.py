@@ -56,7 +56,14 @@ def test_signals_of_different_rows_are_compared_where_both_have_one():
 
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [("peak", 3.0), ("max", 1.0), ("min", -3.0), ("final", 1.0), ("mean", -1.0)],
+    [
+        ("peak", 3.0),
+        ("max", 1.0),
+        ("min", -3.0),
+        ("final", 1.0),
+        ("mean", -1.0),
+        ("mean_abs", 2.0),
+    ],
 )
 def test_plain_figures(kind, value):
     signals = {"plant.x": signal(1.0 - 4.0 * (TIME < 1.0005))}

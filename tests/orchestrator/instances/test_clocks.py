@@ -29,7 +29,9 @@ PI = Path(__file__).parents[2] / "fmus" / "small_models" / "pi.py"
 def loop(latency: int) -> System:
     """Return the PI controller around an integrator, reference 0, from x = 1."""
     pi = Component("pi", build(str(PI), fmi=3, period=T), T, latency=latency)
-    pi = replace(pi, map={"y": Mapped("y", unit="1"), "u": Mapped("u", unit="1/s")})
+    pi = replace(
+        pi, map={"y": Mapped("y", 1.0, unit="1"), "u": Mapped("u", 1.0, unit="1/s")}
+    )
     plant = part("plant", "integrator", str(T), fmi=3, start={"state.x": 1.0})
     wires = {"pi.y": "plant.y", "plant.u": "pi.u"}
     return system(

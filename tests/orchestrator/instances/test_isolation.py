@@ -167,7 +167,8 @@ def test_requests_through_pipe_and_memory_never_overtake_each_other() -> None:
         one = isolated.IsolatedInstance("one", description, folder, print, quick)
         try:
             one.instantiate()
-            one.enter_initialization(0.0)
+            one.set_up(0.0, None, None)
+            one.enter_initialization()
             vector = np.zeros(1)
             one.bind(vector, [], 0, [count], 0)
             one.exit_initialization()

@@ -71,7 +71,6 @@ def failure(given: System, executor: Choice, folder: Path) -> tuple[str, Result]
         (2, r"get \w+ \(out_\w+, \.\.\.\) at t = 0\.004 s returned Error"),
         (3, r"set \w+ \(in_\w+, \.\.\.\) at t = 0\.004 s returned Error"),
         (4, r"out_\w+ is nan at t = 0\.005 s"),
-        (5, r"doStep of 0\.001 s at t = 0\.004 s (asked to end|returned Discard)"),
     ],
 )
 def test_failures_are_told_alike_and_rows_before_stay(

@@ -211,6 +211,7 @@ def test_a_wrong_row_is_named_with_a_remedy(study, old, new, remedy):
 
 def test_a_formula_is_arithmetic_only():
     assert evaluate_formula("-(2 * a) ** 2 / 4 + 1.5", {"a": 3.0}) == -7.5
+    assert evaluate_formula("20 * log10(a)", {"a": 100.0}) == 40
     for wrong in ("a.b", "a()", "a if a else 1", "'x'", "a[0]", "1 +", "1 / 0"):
         with pytest.raises(ScenarioError):
             evaluate_formula(wrong, {"a": 1.0})

@@ -1,0 +1,1 @@
+"""Designs for the ball screw with varying dynamics."""
