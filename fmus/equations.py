@@ -14,7 +14,10 @@ from dataclasses import dataclass
 EQUATIONS = ("prepare", "step", "derivative", "output", "advance")
 _NUMBER = r"-?(?:a\d+|\d[\d.]*(?:e[+-]?\d+)?|\.\d+)"
 _BODY = r"static int (casadi_f\d+)\(const casadi_real\*\* arg.*?\{(.*?)\n\}"
-_ENTRY = r"CASADI_SYMBOL_EXPORT int (\w+)\(const casadi_real\*\* arg.*?return (casadi_f\d+)\("
+_ENTRY = (
+    r"CASADI_SYMBOL_EXPORT int (\w+)\(const casadi_real\*\* arg"
+    r".*?return (casadi_f\d+)\("
+)
 _COMPARISON = re.compile(rf"\(({_NUMBER})(<=|>=|==|!=|<|>)({_NUMBER})\)")
 _ARITHMETIC = re.compile(rf"\(({_NUMBER})([-+*/])({_NUMBER})\)")
 _LOGIC = re.compile(rf"\(({_NUMBER})(&&|\|\|)({_NUMBER})\)")

@@ -7,7 +7,7 @@ failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator.cli import check, fmus, run, runs, second_opinion, study
+from orchestrator.cli import check, fmus, run, runs, second_opinion, study, sweep
 
 app = typer.Typer(
     name="feeddrive",
@@ -26,6 +26,7 @@ for verb in (
     run.schedule,
     run.run,
     runs.runs,
+    sweep.sweep,
     study.reproduce,
     second_opinion.second_opinion,
 ):

@@ -156,7 +156,8 @@ def _solve(
     listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
     raise SimulationError(
         f"initialisation: the circle through {listed} has no solution that "
-        f"substitution or Newton's method finds; set start values near one, or open the circle"
+        f"substitution or Newton's method finds; set start values near one, or open "
+        f"the circle"
     )
 
 

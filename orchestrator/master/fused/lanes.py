@@ -38,10 +38,14 @@ Start: TypeAlias = Mapping[str, FloatArray]  # values of the components that dif
 
 @dataclass(frozen=True)
 class Member:
-    """One run: its recorded signals, or why there are none."""
+    """One run: its recorded signals, or why there are none.
+
+    ``unsettled``: its initial circle needs Newton's method; run it for itself.
+    """
 
     signals: Recorded = field(default_factory=lambda: Recorded({}))
     failure: FeedDriveError | None = None
+    unsettled: bool = False
 
 
 class Lanes:
@@ -137,6 +141,9 @@ class Lanes:
             name: np.ascontiguousarray(of.transpose(2, 1, 0))
             for name, of in rows.items()
         }
+        if engine.failure == UNSETTLED:
+            yield from (Member(unsettled=True) for _ in group)
+            return
         for lane in range(len(group)):
             failure = self._failure(memory, lane, width)
             if failure is not None:
@@ -174,10 +181,6 @@ class Lanes:
     def _failure(self, memory: Memory, lane: int, width: int) -> SimulationError | None:
         engine = memory.engine
         schedule = self._timetable.schedule
-        if engine.failure == UNSETTLED:
-            return SimulationError(
-                "initialisation: a circle settles by no substitution"
-            )
         if engine.failure == LINE_FULL:
             name = self._source.parts[engine.part]
             return SimulationError(

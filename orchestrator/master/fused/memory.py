@@ -23,7 +23,8 @@ def aligned(shape: Sequence[int], kind: Any = np.float64) -> NDArray[Any]:
     size = count * np.dtype(kind).itemsize
     room = np.zeros(size + 128, dtype=np.uint8)
     first = -room.ctypes.data % 128
-    return room[first : first + size].view(kind).reshape(shape)
+    whole: NDArray[Any] = room[first : first + size].view(kind).reshape(shape)
+    return whole
 
 
 class Memory:

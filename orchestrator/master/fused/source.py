@@ -196,7 +196,7 @@ class Source:
         yield "}"
 
     def _dispatch(self) -> Iterator[str]:
-        yield "static int carry_out_program(Engine *e, int32_t n, int64_t k, double t) {"
+        yield "static int carry_out_program(Engine *e, int n, int64_t k, double t) {"
         yield "    switch (n) {"
         for number in self.programs.values():
             yield f"    case {number}: return program_{number}(e, k, t);"
