@@ -25,12 +25,9 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from orchestrator.checks.effects import MAY_DIFFER, NOISE, Effects, Factors, Values
+from orchestrator.checks.instance import Instance, excitation
 from orchestrator.checks.item import NotApplicable, Said, advice, dynamic
-from orchestrator.checks.laboratory import (
-    Instance,
-    Laboratory,
-    excitation,
-)
+from orchestrator.checks.laboratory import Laboratory
 from orchestrator.checks.moment import (
     Known,
     Unknown,
@@ -84,19 +81,19 @@ def _in_initialisation(lab: Laboratory, inputs: list[Known]) -> Iterator[Said]:
     ]
     exact = [v for v in lab.variables(initial="exact") if v.sort == "real"]
     states = [v for v in exact if v.causality == "local" and v.variability in MOVING]
-    parameters = [v for v in exact if v.causality == "parameter"]
     found = Effects()
     for known in inputs:
         with lab.instance() as one:
             one.enter()
             _move_start(one, known.variable, PARTS, outputs, found)
             one.leave()
+    states = lab.settable(lab.sampled("states", states), REST)
     with lab.instance() as one:  # one for all: there may be a thousand
         one.enter()
-        for state in states:  # at rest at zero little depends on anything
-            one.status(one.set, state, excitation(state, REST))
         with suppress(FMICallException):  # some values of parameters make no model
-            for variable in states + parameters:
+            for state in states:  # at rest at zero little depends on anything
+                one.set(state, excitation(state, REST))
+            for variable in states + lab.movable_parameters:
                 parts = PARTS if variable in states else SMALL
                 _move_start(one, variable, parts, outputs, found)
     yield from found.told("in initialisation {} changes with {}, which {} does not")
@@ -131,6 +128,8 @@ def _between_steps(lab: Laboratory) -> Iterator[Said]:
             one.leave()
             for history in HISTORIES:
                 one.run(history)
+                if one.ended:
+                    break
                 lab.trying(f"moving inputs between steps by {lab.kind}")
                 _move_all(one, movable, watched, different, effects, factors)
     by = "between steps" if lab.kind == "co-simulation" else "by model exchange"
@@ -254,7 +253,7 @@ class _Fork:
     def after(self, known: Known, part: float, size: float) -> Values:
         """Return the values after a step with a known moved."""
         if self.saves:
-            self.one.fmu.setFMUState(self.state)
+            self.one.restore(self.state, self.history * self.lab.h)
         else:
             self.one.free()
             self.one = self._run()
@@ -278,9 +277,9 @@ def _says_something(unknown: Unknown, movable: list[Known]) -> bool:
 def _move_parameters(one: Instance, up_to: str) -> None:
     """Move the tunable parameters a little; with ``fixed`` those as well."""
     moved = DIFFERENT[1 : DIFFERENT.index(up_to) + 1]
-    for variable in one.lab.variables(causality="parameter"):
-        if variable.sort == "real" and variable.variability in moved:
-            one.status(one.set, variable, excitation(variable, 0.02))
+    for variable in one.lab.movable_parameters:
+        if variable.variability in moved:
+            one.set(variable, excitation(variable, SMALL[0]))
 
 
 def _read(one: Instance, unknowns: list[Unknown]) -> Values:

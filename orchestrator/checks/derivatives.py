@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.checks.archive import Archive
+from orchestrator.checks.instance import OK, STATUS, Instance, Row
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
-from orchestrator.checks.laboratory import OK, STATUS, Instance, Laboratory, Row
+from orchestrator.checks.laboratory import Laboratory
 from orchestrator.checks.moment import (
     Known,
     Unknown,
@@ -43,6 +44,8 @@ def directional(lab: Laboratory) -> Iterator[Said]:
             yield from _compared(one, "in initialisation", real_inputs(by), outputs)
             one.leave()
             one.run(FROM_START)
+            if one.ended:
+                continue
             yield from _compared(one, f"by {by.kind}", knowns(by), unknowns(by))
 
 
@@ -150,11 +153,14 @@ def _element(of: Known | Unknown, place: int) -> str:
 def in_time(lab: Laboratory) -> Iterator[Said]:
     lab.needs_co_simulation()
     inputs = [v for v in lab.variables(causality="input") if v.sort == "real"]
-    outputs = [
-        v
-        for v in lab.variables(causality="output", variability="continuous")
-        if v.sort == "real" and not v.shape
-    ]
+    outputs = lab.sampled(
+        "continuous outputs",
+        [
+            v
+            for v in lab.variables(causality="output", variability="continuous")
+            if v.sort == "real" and not v.shape
+        ],
+    )
     if not inputs and not outputs:
         raise NotApplicable("it has no real input and no continuous output")
     if inputs and lab.description.fmi_major == 2:
@@ -179,16 +185,20 @@ def _of_input(lab: Laboratory, variable: FmuVariable) -> Iterator[Said]:
 def _of_outputs(lab: Laboratory, outputs: list[FmuVariable]) -> Iterator[Said]:
     order = int(lab.interface.maxOutputDerivativeOrder or 0)
     references = [v.reference for v in outputs]
+    rows = []
+    given: list[float] = []
     with lab.running() as one:
         one.run(2 * FROM_START)
-        rows = []
-        given: list[float] = []
         for _ in range(3):  # one-sided differences need a step before and after
             one.run(1, excited=False)
+            if one.ended:
+                raise NotApplicable("it ends the run in its first steps")
             rows.append(np.array([one.get(v)[0] for v in outputs]))
-            if len(rows) == 2:
-                lab.trying("asking for derivatives of outputs")
-                status = one.status(lambda: given.extend(one.face.rates(references)))
+    with lab.running() as one:  # an Error ends an instance, so it is the last call
+        one.run(2 * FROM_START)
+        one.run(2, excited=False)
+        lab.trying("asking for derivatives of outputs")
+        status = one.status(lambda: given.extend(one.face.rates(references)))
     if order == 0 and status == OK:
         yield advice("maxOutputDerivativeOrder = 0, but a derivative is given")
     if order > 0 and status != OK:

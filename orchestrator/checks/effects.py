@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from orchestrator.checks.instance import Row
 from orchestrator.checks.item import Finding, Said
-from orchestrator.checks.laboratory import Row
 from orchestrator.checks.moment import Known, Unknown
 
 Values: TypeAlias = dict[str, Row]

@@ -2,12 +2,15 @@
 
 A dynamic item gets a child that is killed when its time is over; what the child
 wrote to stdout or stderr is kept from ours.  A crash, an exit or a hang of an
-FMU is a finding that names what was being tried.  If the library cannot be
-loaded, the other dynamic items are not tried.
+FMU is a finding that names what was being tried; a slow FMU, or a busy machine, is
+none (``patience``).  If the library cannot be loaded, the other dynamic items are
+not tried.
 """
 
+import ctypes
 import multiprocessing as mp
 import os
+import re
 import signal
 import sys
 import tempfile
@@ -27,11 +30,14 @@ from orchestrator.checks.item import (
     Outcome,
     Said,
 )
+from orchestrator.checks.patience import Patience
 from orchestrator.checks.report import Report
 from orchestrator.errors import FmuError
 from orchestrator.fmu.archive import unpacked
 
+LOOK = 0.2  # s between two looks at a child
 LOADS = 11  # the dynamic item without which no other is tried
+NO_LIBRARY = "does not load|cannot load|while loading the library"
 WORKERS = 2
 STARTING = "starting its process"
 
@@ -118,12 +124,12 @@ def _dynamic(
             progress(gate)
             first = _tried(gate, archive.path, folder)
             rest = [item for item in items if item is not gate]
-            if first.findings and any("load" in f.text for f in first.findings):
+            if any(re.search(NO_LIBRARY, f.text) for f in first.findings):
                 reason = "; ".join(f.text for f in first.findings)
                 outcomes = [
                     Outcome(i, reason=reason, verdict="could not be run") for i in rest
                 ]
-            elif first.verdict == "could not be run":
+            elif first.verdict in ("could not be run", "not applicable"):
                 outcomes = [
                     Outcome(i, reason=first.reason, verdict=first.verdict) for i in rest
                 ]
@@ -147,6 +153,7 @@ class _Heard:
     said: list[Said] = field(default_factory=list)
     trying: str = STARTING
     kept: dict[str, Any] = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
     end: str = ""
     reason: str = ""
 
@@ -160,6 +167,7 @@ def _tried(item: Item, path: Path, folder: Path) -> Outcome:
         for said in heard.said:
             _note(outcome, said)
         kept = heard.kept
+        outcome.notes += [n for n in heard.notes.values() if n not in outcome.notes]
         if heard.end in ("not applicable", "could not be run"):
             outcome.reason, outcome.verdict = heard.reason, heard.end  # type: ignore[assignment]
             break
@@ -174,26 +182,27 @@ def _in_child(
 ) -> _Heard:
     context = _context()
     ours, theirs = context.Pipe(duplex=False)
-    arguments = (theirs, item.key, stage, path, folder, kept)
+    beats = context.RawValue(ctypes.c_ulonglong, 0)
+    arguments = (theirs, beats, item.key, stage, path, folder, kept)
     child: Any = context.Process(target=serve, args=arguments, daemon=True)
     child.start()
     theirs.close()
     heard = _Heard()
+    patience = Patience(child.pid, item.seconds)
     try:
         while not heard.end:
-            if not ours.poll(item.seconds):
-                heard.end = "hung"
-                heard.reason = f"no end within {item.seconds:g} s while {heard.trying}"
-                break
-            kind, value = ours.recv()
-            _hear(heard, kind, value)
+            if ours.poll(LOOK):
+                _hear(heard, *ours.recv())
+            over = patience.over(beats.value, heard.trying != STARTING)
+            if over and not heard.end:
+                heard.end, heard.reason = over.verdict, over.text(heard.trying)
     except (EOFError, OSError):
         child.join(5)
         heard.end, heard.reason = "died", f"{_how(child)} while {heard.trying}"
         if heard.trying == STARTING:  # nothing of the FMU has been touched yet
             heard.end = "could not be run"
     finally:
-        child.kill() if heard.end == "hung" else child.join(5)
+        child.join(5) if heard.end in ("done", "died", "refused") else child.kill()
         if child.is_alive():
             child.kill()
         child.join()
@@ -206,6 +215,8 @@ def _hear(heard: _Heard, kind: str, value: Any) -> None:
         heard.said.append(value)
     elif kind == "trying":
         heard.trying = value
+    elif kind == "notes":
+        heard.notes |= value
     elif kind == "done":
         heard.end, heard.kept = "done", value
     else:
@@ -229,12 +240,19 @@ def _context() -> Any:
 
 
 def serve(
-    pipe: Any, key: str, stage: int, path: Path, folder: Path, kept: dict[str, Any]
+    pipe: Any,
+    beats: Any,
+    key: str,
+    stage: int,
+    path: Path,
+    folder: Path,
+    kept: dict[str, Any],
 ) -> None:
     """Carry out one stage of one dynamic item; runs in the child."""
     from fmpy.fmi1 import FMICallException
 
-    from orchestrator.checks.laboratory import STATUS, Laboratory
+    from orchestrator.checks.instance import STATUS
+    from orchestrator.checks.laboratory import Laboratory
 
     printed = _hide_output()
     last = [STARTING]
@@ -243,14 +261,24 @@ def serve(
         last[0] = text
         pipe.send(("trying", text))
 
+    def beat() -> None:
+        beats.value += 1
+
     item = next(i for i in catalogue() if i.key == key)
     archive = Archive(path)
     lab = Laboratory(
-        archive.description, archive.model, folder, tell, printed, dict(kept)
+        archive.description,
+        archive.model,
+        folder,
+        tell,
+        printed,
+        dict(kept),
+        beat=beat,
     )
     try:
         for said in item.stages[stage](lab):
             pipe.send(("said", said))
+        pipe.send(("notes", lab.notes))
         pipe.send(("done", lab.kept))
     except NotApplicable as error:
         pipe.send(("not applicable", str(error)))
@@ -258,7 +286,7 @@ def serve(
         pipe.send(("could not be run", str(error)))
     except FMICallException as error:
         label = STATUS[error.status] if error.status < len(STATUS) else error.status
-        pipe.send(("refused", f"{error.function} returned {label} while {last[0]}"))
+        pipe.send(("refused", f"{error.function} returned {label} while {lab.blamed}"))
     except Exception as error:
         fault = f"a fault in feeddrive while {last[0]}: {type(error).__name__}: {error}"
         pipe.send(("could not be run", fault))

@@ -1,6 +1,5 @@
 """Static items about the archive and its files."""
 
-import posixpath
 import re
 from collections.abc import Iterator
 from datetime import datetime
@@ -24,7 +23,9 @@ from orchestrator.checks.item import (
 SCHEMAS = Path(fmpy.__file__).parent / "schema"
 STORED, DEFLATED = 0, 8
 ZIP_VERSION = 20  # 2.0: deflate, no zip64, no encryption
-SUFFIXES = {"linux": ".so", "win": ".dll", "darwin": ".dylib"}
+SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
+FMI2_PLATFORM = re.compile(r"(linux|win|darwin)(32|64)")
+FMI3_PLATFORM = re.compile(r"\w+-(\w+)")
 SYSTEM = re.compile(r"(lib(c|m|pthread|dl|rt)\.so|ld-linux|linux-vdso)")
 LICENCES = re.compile(r"documentation/(licenses/)?license\.(txt|html|spdx)$")
 
@@ -71,7 +72,7 @@ def schema(fmu: Archive) -> Iterator[Said]:
     _ = fmu.members  # an archive that cannot be opened is the fault of item 1
     try:
         xsd = SCHEMAS / f"fmi{fmu.major}" / f"fmi{fmu.major}ModelDescription.xsd"
-        yield from _against(fmu.root, xsd)
+        yield from against(fmu.root, xsd)
         encoding = fmu.root.getroottree().docinfo.encoding or "UTF-8"
         if encoding.upper() != "UTF-8":
             yield Finding(f"the document is encoded in {encoding}, not UTF-8")
@@ -89,7 +90,8 @@ def schema(fmu: Archive) -> Iterator[Said]:
         yield Finding(str(error))
 
 
-def _against(root: Any, xsd: Path) -> Iterator[Said]:
+def against(root: Any, xsd: Path) -> Iterator[Said]:
+    """Say where a document does not follow a schema."""
     checker = etree.XMLSchema(etree.parse(str(xsd)))
     if not checker.validate(root):
         for fault in checker.error_log:
@@ -120,14 +122,22 @@ def binary_names(fmu: Archive) -> Iterator[Said]:
     if not platforms and not any(n.startswith("sources/") for n in fmu.names):
         yield Finding("there is neither a binary nor a source file")
     for platform in platforms:
-        system = next((s for s in SUFFIXES if s in platform), "")
-        if fmu.major == 3 and not re.fullmatch(r"\w+-\w+", platform):
+        suffix = _suffix(platform, fmu.major)
+        if fmu.major == 3 and not FMI3_PLATFORM.fullmatch(platform):
             yield Finding(f"binaries/{platform}: FMI 3 wants <architecture>-<system>")
         for identifier in identifiers:
-            name = f"binaries/{platform}/{identifier}{SUFFIXES.get(system, '')}"
-            if system and name not in fmu.names:
+            name = f"binaries/{platform}/{identifier}{suffix}"
+            if suffix and name not in fmu.names:
                 yield Finding(f"there is no {name}")
     yield f"platforms: {', '.join(platforms) or 'none, source code only'}"
+
+
+def _suffix(platform: str, major: int) -> str:
+    """Return how libraries are named in a folder of binaries, "" if unknown."""
+    pattern = FMI2_PLATFORM if major == 2 else FMI3_PLATFORM
+    found = pattern.fullmatch(platform)
+    system = found[1] if found else ""
+    return SUFFIXES.get("windows" if system == "win" else system, "")
 
 
 @static(
@@ -186,46 +196,10 @@ def terminals(fmu: Archive) -> Iterator[Said]:
         raise NotApplicable("it has no terminalsAndIcons.xml")
     root = fmu.parsed(name)
     if fmu.major == 3:
-        yield from _against(root, SCHEMAS / "fmi3" / "fmi3TerminalsAndIcons.xsd")
+        yield from against(root, SCHEMAS / "fmi3" / "fmi3TerminalsAndIcons.xsd")
     for member in root.iter("TerminalMemberVariable", "TerminalStreamMemberVariable"):
         for key in ("variableName", "inStreamVariableName", "outStreamVariableName"):
             variable = member.get(key)
             if variable and variable not in fmu.description.variables:
                 yield Finding(f"terminal member {variable!r} is no variable")
     yield f"{sum(1 for _ in root.iter('Terminal'))} terminals"
-
-
-@static(
-    34,
-    "Sources are all there",
-    "FMI 2.0.5 section 4.3.1 (SourceFiles); FMI 3.0.2 section 2.5.1",
-    "list every C file, and only those, relative to sources/",
-)
-def sources_listed(fmu: Archive) -> Iterator[Said]:
-    there = {n.removeprefix("sources/") for n in fmu.names if n.startswith("sources/")}
-    if not there:
-        raise NotApplicable("it has no sources")
-    listed = source_files(fmu)
-    if not listed:
-        yield Finding("sources/ is there, but no source file is listed")
-    for name in listed:
-        if posixpath.normpath(name) not in there:
-            yield Finding(f"sources/{name} is listed, but is not there")
-    if fmu.major == 3:
-        build = "sources/buildDescription.xml"
-        if build in fmu.names:
-            xsd = SCHEMAS / "fmi3" / "fmi3BuildDescription.xsd"
-            yield from _against(fmu.parsed(build), xsd)
-    yield f"{len(listed)} source files"
-
-
-def source_files(fmu: Archive) -> list[str]:
-    """Return the C files listed for compilation, relative to ``sources/``."""
-    if fmu.major == 3:
-        build = "sources/buildDescription.xml"
-        if build not in fmu.names:
-            return []
-        files = fmu.parsed(build).iter("SourceFile")
-    else:
-        files = (f for group in fmu.root.iter("SourceFiles") for f in group)
-    return list(dict.fromkeys(file.get("name") for file in files))

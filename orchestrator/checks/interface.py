@@ -1,6 +1,7 @@
 """One FMU instance on fmpy: the same calls for FMI 2 and 3, CS and ME.
 
-Calls that an FMU refuses raise fmpy's ``FMICallException``.
+Calls that an FMU refuses raise fmpy's ``FMICallException``.  A step that the FMU
+ends the run with is none of these: ``step`` says so.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from fmpy.fmi1 import calloc, free
+from fmpy.fmi1 import FMICallException, calloc, free
 from fmpy.fmi2 import (
     FMU2Model,
     FMU2Slave,
@@ -34,6 +35,8 @@ CLASSES = {
     (3, "model exchange"): FMU3Model,
 }
 ITERATIONS = 100  # of discrete states in one event
+DISCARD = 2
+LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3  # what fmi2GetStatus can be asked for
 
 
 def required_functions(kind: Kind, major: int) -> list[str]:
@@ -42,16 +45,22 @@ def required_functions(kind: Kind, major: int) -> list[str]:
 
 
 def load(
-    kind: Kind, description: FmuDescription, folder: Path, name: str, token: str | None
+    kind: Kind,
+    description: FmuDescription,
+    folder: Path,
+    name: str,
+    token: str | None,
+    prefix: str = "",
 ) -> "Face":
-    """Load the library of an unpacked FMU.
+    """Load the library of an unpacked FMU, whose functions may have a prefix.
 
     Raises:
         CannotRun: there is none for this machine, or it does not load.
     """
     face = {2: Face2, 3: Face3}[description.fmi_major]
+    base: Any = CLASSES[description.fmi_major, kind]
     try:
-        fmu = CLASSES[description.fmi_major, kind](
+        fmu = (_prefixed(base, prefix) if prefix else base)(
             guid=description.token if token is None else token,
             modelIdentifier=description.model_identifier,
             unzipDirectory=str(folder),
@@ -62,6 +71,26 @@ def load(
     except Exception as error:  # fmpy raises bare Exception when loading fails
         raise CannotRun(str(error).replace(f"{folder}/", "")) from None
     return face(fmu, kind)
+
+
+def _prefixed(base: Any, prefix: str) -> Any:
+    """Return fmpy's class for a library that says ``<prefix>fmi2DoStep``.
+
+    Named alike, for fmpy reads the version of FMI from the name of the class.
+    """
+
+    class Library:
+        def __init__(self, dll: Any) -> None:
+            self._handle, self._dll = dll._handle, dll
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._dll, prefix + name)
+
+    def load_functions(self: Any) -> None:
+        self.dll = Library(self.dll)
+        base._loadFunctions(self)
+
+    return type(base.__name__, (base,), {"_loadFunctions": load_functions})
 
 
 class Face:
@@ -78,22 +107,31 @@ class Face:
     def enter(self, start: float, stop: float | None, tol: float | None) -> None:
         raise NotImplementedError
 
-    def leave(self) -> None:
+    def leave(self) -> bool:
+        """Leave initialisation; tell whether the FMU ends the run at once."""
         self.fmu.exitInitializationMode()
-        if self.exchanging:
-            self._settle()
+        if not self.exchanging:
+            return False
+        ends = self._settle()
+        if not ends:
             self.fmu.enterContinuousTimeMode()
+        return ends
 
-    def step(self, t: float, h: float) -> None:
-        if self.exchanging:
-            self._euler(t, h)
-        else:
-            self.fmu.doStep(t, h)
+    def step(self, t: float, h: float) -> bool:
+        """Step; tell whether the FMU ends the run there, as it may."""
+        return self._euler(t, h) if self.exchanging else self._do_step(t, h)
+
+    def _do_step(self, t: float, h: float) -> bool:
+        raise NotImplementedError
 
     def forget(self) -> None:
         """Hear no more of the instance, which is gone."""
 
     def get(self, variable: FmuVariable) -> list[Any]:
+        return self.get_many([variable])
+
+    def get_many(self, variables: Sequence[FmuVariable]) -> list[Any]:
+        """Return the values of variables of one type, one after the other."""
         raise NotImplementedError
 
     def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
@@ -127,10 +165,18 @@ class Face:
         if count := len(values):
             self.fmu.setContinuousStates((c_double * count)(*values), count)
 
-    def _settle(self) -> None:
+    def _discrete_states(self) -> tuple[Any, ...]:
+        """Update them; return whether once more is needed and whether it ends."""
         raise NotImplementedError
 
-    def _euler(self, t: float, h: float) -> None:
+    def _settle(self) -> bool:
+        for _ in range(ITERATIONS):
+            again, ends, *_rest = self._discrete_states()
+            if ends or not again:
+                return bool(ends)
+        return False
+
+    def _euler(self, t: float, h: float) -> bool:
         self.fmu.setTime(t)
         states = self.states()
         slopes = (c_double * len(states))()
@@ -138,11 +184,13 @@ class Face:
             self.derivatives(slopes, len(states))
         self.fmu.setTime(t + h)
         self.set_states(states + h * np.array(slopes))
-        enter, _ended = self.fmu.completedIntegratorStep()
-        if enter:
+        enter, ends = self.fmu.completedIntegratorStep()
+        if enter and not ends:
             self.fmu.enterEventMode()
-            self._settle()
-            self.fmu.enterContinuousTimeMode()
+            ends = self._settle()
+            if not ends:
+                self.fmu.enterContinuousTimeMode()
+        return bool(ends)
 
 
 _LISTENERS: dict[bytes | None, Log] = {}
@@ -180,9 +228,9 @@ class Face2(Face):
         self.fmu.setupExperiment(tolerance=tol, startTime=start, stopTime=stop)
         self.fmu.enterInitializationMode()
 
-    def get(self, variable: FmuVariable) -> list[Any]:
-        name = _fmi2_type(variable)
-        values = getattr(self.fmu, f"get{name}")([variable.reference])
+    def get_many(self, variables: Sequence[FmuVariable]) -> list[Any]:
+        name = _fmi2_type(variables[0])
+        values = getattr(self.fmu, f"get{name}")([v.reference for v in variables])
         return [v.decode("utf-8", "replace") if name == "String" else v for v in values]
 
     def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
@@ -205,10 +253,27 @@ class Face2(Face):
         found: list[float] = self.fmu.getRealOutputDerivatives(references, orders)
         return found
 
-    def _settle(self) -> None:
-        for _ in range(ITERATIONS):
-            if not self.fmu.newDiscreteStates()[0]:
-                return
+    def _discrete_states(self) -> tuple[Any, ...]:
+        found: tuple[Any, ...] = self.fmu.newDiscreteStates()
+        return found
+
+    def _do_step(self, t: float, h: float) -> bool:
+        try:
+            self.fmu.doStep(t, h)
+        except FMICallException as error:
+            if error.status != DISCARD or not self._ends(t):
+                raise
+            return True
+        return False
+
+    def _ends(self, t: float) -> bool:
+        """Tell whether a discarded step ends the run, or went a part of its way."""
+        try:
+            if self.fmu.getBooleanStatus(TERMINATED):
+                return True
+            return bool(self.fmu.getRealStatus(LAST_SUCCESSFUL_TIME) > t)
+        except FMICallException:  # it does not say
+            return False
 
 
 class Face3(Face):
@@ -226,9 +291,10 @@ class Face3(Face):
     def enter(self, start: float, stop: float | None, tol: float | None) -> None:
         self.fmu.enterInitializationMode(tolerance=tol, startTime=start, stopTime=stop)
 
-    def get(self, variable: FmuVariable) -> list[Any]:
-        name = _fmi3_type(variable)
-        values = getattr(self.fmu, f"get{name}")([variable.reference], variable.size)
+    def get_many(self, variables: Sequence[FmuVariable]) -> list[Any]:
+        name, size = _fmi3_type(variables[0]), sum(v.size for v in variables)
+        references = [v.reference for v in variables]
+        values = getattr(self.fmu, f"get{name}")(references, size)
         return [v.decode("utf-8", "replace") if name == "String" else v for v in values]
 
     def set(self, variable: FmuVariable, values: Sequence[Any]) -> None:
@@ -259,10 +325,13 @@ class Face3(Face):
         found: list[float] = self.fmu.getOutputDerivatives(references, orders)
         return found
 
-    def _settle(self) -> None:
-        for _ in range(ITERATIONS):
-            if not self.fmu.updateDiscreteStates()[0]:
-                return
+    def _discrete_states(self) -> tuple[Any, ...]:
+        found: tuple[Any, ...] = self.fmu.updateDiscreteStates()
+        return found
+
+    def _do_step(self, t: float, h: float) -> bool:
+        _event, ends, _early, _reached = self.fmu.doStep(t, h)
+        return bool(ends)
 
 
 def _fmi2_type(variable: FmuVariable) -> str:

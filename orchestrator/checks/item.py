@@ -14,6 +14,8 @@ Part: TypeAlias = Literal["static", "dynamic"]
 Severity: TypeAlias = Literal["error", "advice"]
 Verdict: TypeAlias = Literal["pass", "finding", "not applicable", "could not be run"]
 
+WORDS = ("String", "Binary", "Clock")  # types that hold no numbers
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -51,7 +53,7 @@ class Item:
 
     ``stages`` run one after the other, dynamic ones each in a fresh process; the
     first takes the subject, the next also what the one before it kept.
-    ``seconds`` limits each.
+    ``seconds`` of computing limit each as a whole.
     """
 
     number: int
@@ -60,7 +62,7 @@ class Item:
     clause: str
     mend: str
     stages: tuple[Checker, ...]
-    seconds: float = 20.0
+    seconds: float = 60.0
 
     @property
     def key(self) -> str:
@@ -71,13 +73,14 @@ class Item:
 class Outcome:
     """What came of one item.
 
-    ``seen`` are observations, ``findings`` faults; ``reason`` tells why an item
-    did not apply or could not be run.
+    ``seen`` are observations, ``findings`` faults; ``notes`` tell what was only
+    sampled, or cut short; ``reason`` why an item did not apply or could not be run.
     """
 
     item: Item
     seen: list[str] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     reason: str = ""
     verdict: Verdict = "pass"
 
@@ -103,7 +106,7 @@ def dynamic(
     mend: str,
     *,
     then: Checker | None = None,
-    seconds: float = 20.0,
+    seconds: float = 60.0,
 ) -> Register:
     """Register a function of a ``Laboratory`` as the dynamic item of a number.
 

@@ -8,6 +8,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from orchestrator.checks.archive import Archive
+from orchestrator.checks.instance import OK, Row, same
 from orchestrator.checks.interface import required_functions
 from orchestrator.checks.item import (
     CannotRun,
@@ -16,13 +17,7 @@ from orchestrator.checks.item import (
     advice,
     dynamic,
 )
-from orchestrator.checks.laboratory import (
-    OK,
-    STEPS,
-    Laboratory,
-    Row,
-    same,
-)
+from orchestrator.checks.laboratory import STEPS, Laboratory
 
 
 @dynamic(
@@ -34,9 +29,11 @@ from orchestrator.checks.laboratory import (
 def runs(lab: Laboratory) -> Iterator[Said]:
     with lab.running() as one:
         rows = one.run(STEPS, excited=False)
+    if not len(rows):
+        yield advice("it ends the run in its first step")
     if not np.isfinite(rows).all():
         yield Finding(f"a value is not finite within {STEPS} steps of {lab.h:g} s")
-    yield f"{STEPS} steps of {lab.h:g} s by {lab.kind}"
+    yield f"{len(rows)} steps of {lab.h:g} s by {lab.kind}"
 
 
 @dynamic(
@@ -47,7 +44,7 @@ def runs(lab: Laboratory) -> Iterator[Said]:
     "and logs why",
 )
 def loads(lab: Laboratory) -> Iterator[Said]:
-    description = lab.description
+    description, kind = lab.description, lab.kind
     host = fmpy.platform if description.fmi_major == 2 else fmpy.platform_tuple
     name = f"{description.model_identifier}{fmpy.sharedLibraryExtension}"
     file = lab.folder / "binaries" / host / name
@@ -66,7 +63,7 @@ def loads(lab: Laboratory) -> Iterator[Said]:
             mend="install that library, or ask the supplier to link it statically",
         )
         return
-    wanted = required_functions(lab.kind, description.fmi_major)
+    wanted = required_functions(kind, description.fmi_major)
     missing = [name for name in wanted if not hasattr(library, name)]
     for function in missing:
         yield Finding(f"{function} is not exported, so importers cannot load it")
@@ -83,6 +80,7 @@ def _unsupported(lab: Laboratory) -> Iterator[Said]:
         next((v for v in lab.variables(causality=c) if v.sort == "real"), None)
         for c in ("output", "input")
     ]
+    lab.trying("making an instance")
     with lab.instance() as one:
         if not one.exists:  # that is for the item of tokens
             return
@@ -91,12 +89,13 @@ def _unsupported(lab: Laboratory) -> Iterator[Said]:
             lab.trying("calling GetFMUState, which is not supported")
             if one.status(one.fmu.getFMUState) == OK:
                 yield advice("canGetAndSetFMUstate = false, but getting it returns OK")
-        if any(e.get(name) for e in interfaces for name in derivatives):
-            return
-        if real[0] and real[1]:
+    if any(e.get(name) for e in interfaces for name in derivatives):
+        return
+    if real[0] and real[1]:
+        unknown, known = real[0].reference, real[1].reference
+        seed, size = [1.0] * real[1].size, real[0].size
+        with lab.running() as one:  # another one: an Error may have ended the first
             lab.trying("asking for derivatives, which are not supported")
-            unknown, known = real[0].reference, real[1].reference
-            seed, size = [1.0] * real[1].size, real[0].size
             if one.status(one.face.directional, [unknown], known, seed, size) == OK:
                 yield advice("directional derivatives are not declared, but given")
 
@@ -147,10 +146,13 @@ def independent(lab: Laboratory) -> Iterator[Said]:
             rows = []
             for k in range(STEPS):
                 for instance, phase in ((first, k), (second, k + 7)):
-                    instance.excite(phase)
+                    if not instance.ended:
+                        instance.excite(phase)
                     instance.step(k * lab.h, lab.h)
+                if first.ended:
+                    break
                 rows.append(first.row())
-        if not same(np.array(rows), alone):
+        if not same(np.array(rows).reshape(len(rows), alone.shape[1]), alone):
             yield Finding("an instance gives other values while a second one is run")
     lab.trying("loading the library again after it was freed")
     if not same(lab.trajectory(name="again"), alone):
@@ -159,10 +161,16 @@ def independent(lab: Laboratory) -> Iterator[Said]:
 
 def _second_run(lab: Laboratory) -> Iterator[Said]:
     first: Row = lab.kept["rows"]
-    if not same(lab.trajectory(), first):
-        differ = int(np.sum(np.any(lab.trajectory() != first, axis=1)))
+    second = lab.trajectory()
+    if second.shape != first.shape:
         yield Finding(
-            f"a second process gives other values in {differ} of {STEPS} rows"
+            f"a second process ends after {len(second)} steps, the first after "
+            f"{len(first)}"
+        )
+    elif not same(second, first):
+        differ = int(np.sum(np.any(second != first, axis=1)))
+        yield Finding(
+            f"a second process gives other values in {differ} of {len(first)} rows"
         )
 
 
@@ -174,8 +182,8 @@ def _second_run(lab: Laboratory) -> Iterator[Said]:
     then=_second_run,
 )
 def deterministic(lab: Laboratory) -> Iterator[Said]:
-    lab.kept["rows"] = lab.trajectory()
-    yield f"{STEPS} rows of {lab.kept['rows'].shape[1]} values"
+    rows = lab.kept["rows"] = lab.trajectory()
+    yield f"{len(rows)} rows of {rows.shape[1]} values"
 
 
 @dynamic(
@@ -191,7 +199,7 @@ def experiment(lab: Laboratory) -> Iterator[Said]:
             lab.trying(f"initialising with stop = {stop}, tolerance = {tolerance}")
             with lab.instance("one") as one:
                 try:
-                    one.begin(stop=stop, tol=tolerance)
+                    one.begin(0.0, stop, tolerance)
                     one.run(3)
                 except FMICallException as error:
                     yield Finding(f"stop = {stop}, tolerance = {tolerance}: {error}")

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.checks.laboratory import Instance, Laboratory, Row
+from orchestrator.checks.instance import Instance, Row
+from orchestrator.checks.item import WORDS
+from orchestrator.checks.laboratory import Laboratory
 from orchestrator.fmu.description import FmuVariable
 
 
@@ -77,8 +79,7 @@ def interfaces(lab: Laboratory) -> Iterator[Laboratory]:
 
 
 def real_inputs(lab: Laboratory) -> list[Known]:
-    inputs = lab.variables(causality="input")
-    return [Known(v) for v in inputs if v.sort == "real"]
+    return [Known(v) for v in lab.sampled("inputs", lab.excited)]
 
 
 def knowns(lab: Laboratory) -> list[Known]:
@@ -92,7 +93,7 @@ def knowns(lab: Laboratory) -> list[Known]:
         state = lab.description[derivative.variable.derivative.name]
         found.append(Known(state, place))
         place += state.size
-    return found
+    return lab.sampled("inputs and states", found)
 
 
 def unknowns(lab: Laboratory) -> list[Unknown]:
@@ -101,8 +102,8 @@ def unknowns(lab: Laboratory) -> list[Unknown]:
     if lab.kind == "model exchange":
         listed += lab.model.derivatives
     found = []
-    for item in listed:
-        if item.variable is None or item.variable.type in ("String", "Binary", "Clock"):
+    for item in lab.sampled("unknowns", listed):
+        if item.variable is None or item.variable.type in WORDS:
             continue
         variable = lab.description[item.variable.name]
         found.append(Unknown(variable, _kinds(item)))

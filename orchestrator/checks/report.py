@@ -42,6 +42,12 @@ class Report:
         return "; ".join(own or parts)
 
     @property
+    def notes(self) -> list[str]:
+        """What was only sampled or cut short, in any item."""
+        said = (note for outcome in self.outcomes for note in outcome.notes)
+        return list(dict.fromkeys(said))
+
+    @property
     def counts(self) -> dict[str, int]:
         """How often there was each verdict."""
         found = Counter(outcome.verdict for outcome in self.outcomes)
@@ -109,6 +115,7 @@ def _item(outcome: Outcome, clause: str) -> dict[str, Any]:
         "clause": clause,
         "verdict": outcome.verdict,
         "seen": outcome.seen,
+        "notes": outcome.notes,
         "findings": [
             {"text": f.text, "severity": f.severity, "mend": f.mend or item.mend}
             for f in outcome.findings

@@ -6,7 +6,7 @@ instead be like a neighbouring sample.  See ``references`` for what is read.
 """
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any
 
@@ -14,8 +14,9 @@ import fmpy
 import numpy as np
 
 from orchestrator.checks.archive import Archive
+from orchestrator.checks.instance import Row
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
-from orchestrator.checks.laboratory import Laboratory, Row
+from orchestrator.checks.laboratory import Laboratory
 from orchestrator.checks.references import CSV, Experiment, File, experiments
 from orchestrator.fmu.description import FmuVariable
 
@@ -77,6 +78,7 @@ def _again(lab: Laboratory, fmu: Archive, experiment: Experiment) -> Iterator[Sa
         input=_inputs(lab, fmu, experiment.stimuli),
         output=compared,
         timeout=LONGEST,
+        step_finished=_going_on(lab),
     )
     rows = times <= result["time"][-1] + 1e-9 * step
     if not rows.any() or not compared:
@@ -92,6 +94,14 @@ def _again(lab: Laboratory, fmu: Archive, experiment: Experiment) -> Iterator[Sa
         f"{experiment.name}: {len(compared)} columns, {rows.sum()} of {len(rows)} rows"
         + (f", without {', '.join(left)}" if left else "")
     )
+
+
+def _going_on(lab: Laboratory) -> Callable[[float, Any], bool]:
+    def step_finished(time: float, recorder: Any) -> bool:
+        lab.beat()
+        return True
+
+    return step_finished
 
 
 def _difference(

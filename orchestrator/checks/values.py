@@ -7,24 +7,24 @@ from typing import Any
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
+from orchestrator.checks.instance import (
+    FATAL,
+    OK,
+    STATUS,
+    Instance,
+    excitation,
+    same,
+    start_of,
+)
 from orchestrator.checks.item import (
+    WORDS,
     Finding,
     NotApplicable,
     Said,
     advice,
     dynamic,
 )
-from orchestrator.checks.laboratory import (
-    FATAL,
-    OK,
-    STATUS,
-    STEPS,
-    Instance,
-    Laboratory,
-    excitation,
-    same,
-    start_of,
-)
+from orchestrator.checks.laboratory import STEPS, Laboratory
 
 SHOWN = 5
 
@@ -40,8 +40,7 @@ def burnt_in(lab: Laboratory) -> Iterator[Said]:
         v
         for v in lab.description.variables.values()
         if v.start is not None
-        and v.sort != "string"
-        and v.fmi_type not in ("Binary", "Clock")
+        and v.fmi_type not in WORDS
         and (v.causality in ("parameter", "input") or v.initial == "exact")
     ]
     with lab.instance() as one:
@@ -57,9 +56,14 @@ def burnt_in(lab: Laboratory) -> Iterator[Said]:
         one.leave()
         alone = one.run(STEPS)
     settable = [v for v in described if v.variability != "constant"]
+    structural = [v for v in settable if v.causality == "structuralParameter"]
     with lab.instance("set") as one:
         lab.trying("setting all variables to their start values")
+        if structural:  # they are set in a mode of their own, and before arrays
+            one.configure(structural)
         for variable in settable:
+            if variable in structural:
+                continue
             one.set(variable, start_of(variable))
         one.begin()
         if not same(one.run(STEPS), alone):
@@ -78,6 +82,7 @@ def tunable(lab: Laboratory) -> Iterator[Said]:
     parameters = [v for v in lab.variables(causality="parameter") if v.sort == "real"]
     if not parameters:
         raise NotApplicable("it has no real parameter")
+    parameters = lab.sampled("parameters", parameters)
     frozen = []
     for variability in ("tunable", "fixed"):
         for variable in parameters:
@@ -85,6 +90,8 @@ def tunable(lab: Laboratory) -> Iterator[Said]:
                 continue
             with lab.running() as one:
                 one.run(2)
+                if one.ended:
+                    raise NotApplicable("it ends the run in its first steps")
                 lab.trying(f"changing {variability} parameter {variable.name}")
                 value = excitation(variable, 0.01)
                 status = one.status(one.set, variable, value)
@@ -115,21 +122,21 @@ def tunable(lab: Laboratory) -> Iterator[Said]:
 def refusals(lab: Laboratory) -> Iterator[Said]:
     constants = lab.variables(variability="constant")
     outputs = [v for v in lab.variables(causality="output") if v.sort == "real"]
-    with lab.running() as one:
-        one.run(2)
-        attempts: list[tuple[str, Any]] = [
-            ("an unknown reference is read", Instance.read_unknown)
-        ]
-        for group, what in ((constants, "a constant"), (outputs, "an output")):
-            if group and group[0].sort == "real":
-                variable = group[0]
-                attempts.append(
-                    (
-                        f"{what} ({variable.name}) is set",
-                        lambda one, v=variable: one.set(v, [1.0] * v.size),
-                    )
+    attempts: list[tuple[str, Any]] = [
+        ("an unknown reference is read", Instance.read_unknown)
+    ]
+    for group, what in ((constants, "a constant"), (outputs, "an output")):
+        if group and group[0].sort == "real":
+            variable = group[0]
+            attempts.append(
+                (
+                    f"{what} ({variable.name}) is set",
+                    lambda one, v=variable: one.set(v, [1.0] * v.size),
                 )
-        for what, attempt in attempts:
+            )
+    for what, attempt in attempts:
+        with lab.running() as one:  # after an Error nothing else may be tried on it
+            one.run(2)
             lab.trying(f"trying whether {what}")
             one.messages.clear()
             status = one.status(attempt, one)
@@ -140,10 +147,10 @@ def refusals(lab: Laboratory) -> Iterator[Said]:
             elif status >= FATAL:
                 yield Finding(f"{what}: returns Fatal, which ends every instance")
                 return
-        lab.trying("resetting after refusals")
-        one.fmu.reset()
-        one.begin()
-        one.run(2)
+            lab.trying("resetting after a refusal")
+            one.reset()
+            one.begin()
+            one.run(2)
     with lab.instance("early") as early:
         if lab.kind == "co-simulation":
             lab.trying("stepping before initialisation")
@@ -171,7 +178,7 @@ def wild_numbers(lab: Laboratory) -> Iterator[Said]:
                 one.set(inputs[0], [value] * inputs[0].size)
                 one.run(3, excited=False)
             lab.trying(f"resetting after an input of {value}")
-            one.fmu.reset()
+            one.reset()
         one.begin()
         if not same(one.run(STEPS), wanted):
             yield Finding("a reset after NaN or infinity does not bring the model back")
@@ -190,13 +197,15 @@ def no_surprises(lab: Laboratory) -> Iterator[Said]:
     with lab.running() as one:
         lab.trying("stepping without events and early returns")
         for k in range(STEPS):
+            if one.ended:
+                return
             event, ended, early, reached = one.fmu.doStep(k * lab.h, lab.h)
             if event or early:
                 what = "an event" if event else "an early return"
                 yield Finding(f"step {k} reports {what}, which was not allowed")
                 return
             if ended:
-                yield advice(f"step {k} asks to end the simulation")
+                yield f"step {k} ends the simulation, as it may"
                 return
             if not np.isclose(reached, (k + 1) * lab.h, rtol=1e-9):
                 yield Finding(

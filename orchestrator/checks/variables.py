@@ -8,7 +8,14 @@ import numpy as np
 
 from fmus.units import UnitError, base_unit
 from orchestrator.checks.archive import Archive
-from orchestrator.checks.item import Finding, NotApplicable, Said, advice, static
+from orchestrator.checks.item import (
+    WORDS,
+    Finding,
+    NotApplicable,
+    Said,
+    advice,
+    static,
+)
 from orchestrator.fmu.description import FmuVariable
 
 PARAMETERS = ("parameter", "structuralParameter")
@@ -77,12 +84,13 @@ def structure(fmu: Archive) -> Iterator[Said]:
     for problem in fmu.problems.get(5, ()):
         yield Finding(problem)
     model = fmu.model
+    place = {id(v): i for i, v in enumerate(model.modelVariables)}
     for title, unknowns in (
         ("Outputs", model.outputs),
         ("InitialUnknowns", model.initialUnknowns),
     ):
         if fmu.major == 2:
-            order = [model.modelVariables.index(u.variable) for u in unknowns]
+            order = [place.get(id(u.variable), -1) for u in unknowns]
             if order != sorted(order):
                 yield Finding(f"ModelStructure/{title} is not in ascending order")
     yield (
@@ -117,7 +125,11 @@ def dependencies_given(fmu: Archive) -> Iterator[Said]:
 def units(fmu: Archive) -> Iterator[Said]:
     for problem in fmu.problems.get(7, ()):
         yield Finding(problem)
-    reals = [v for v in fmu.description.variables.values() if v.sort == "real"]
+    reals = [
+        v
+        for v in fmu.description.variables.values()
+        if v.sort == "real" and v.causality != "independent"  # in s, whatever it says
+    ]
     if bare := [v.name for v in reals if v.unit is None]:
         yield advice(f"{len(bare)} of {len(reals)} without a unit: {_listed(bare)}")
     used = {v.unit: v for v in reals if v.unit is not None}
@@ -192,7 +204,7 @@ def bounds(fmu: Archive) -> Iterator[Said]:
 
 
 def _in_bounds(variable: FmuVariable) -> Iterator[Said]:
-    if variable.sort not in ("real", "integer"):
+    if variable.sort not in ("real", "integer") or variable.fmi_type in WORDS:
         return
     try:
         low = float(variable.min) if variable.min else -np.inf

@@ -7,7 +7,16 @@ failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 
 import typer
 
-from orchestrator.cli import check, fmus, run, runs, second_opinion, study, sweep
+from orchestrator.cli import (
+    check,
+    design,
+    fmus,
+    run,
+    runs,
+    second_opinion,
+    study,
+    sweep,
+)
 
 app = typer.Typer(
     name="feeddrive",
@@ -29,6 +38,7 @@ for verb in (
     sweep.sweep,
     study.reproduce,
     second_opinion.second_opinion,
+    design.design,
 ):
     app.command()(verb)
 

@@ -124,6 +124,8 @@ def print_report(report: "Report") -> None:
             typer.echo(f"{label}: {finding.text}")
             typer.echo(f"    {report.clause(outcome.item)}")
             typer.echo(f"    remedy: {finding.mend or outcome.item.mend}")
+    for note in report.notes:
+        typer.echo(f"note: {note}")
     counts = (
         f"{n} findings" if verdict == "finding" and n > 1 else f"{n} {verdict}"
         for verdict, n in report.counts.items()

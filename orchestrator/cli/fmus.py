@@ -68,7 +68,10 @@ def _model_facts(module: str, model: "Model") -> dict[str, Any]:
 def build(
     modules: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[MODULE]...", help="plants.x, controllers.y, model.py"),
+        typer.Argument(
+            metavar="[MODULE]...",
+            help="plants.x, controllers.y, model.py, supplied.ball_screw",
+        ),
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="build every model")] = False,
     output: Annotated[
@@ -131,6 +134,7 @@ def _build(
     import fmus.build
     from fmus.model import Sampled
     from orchestrator.errors import ScenarioError
+    from orchestrator.supplied import PREFIX, build_supplied
 
     exact = None
     if period is not None:
@@ -142,9 +146,17 @@ def _build(
             exact = None
     begun = perf_counter()
     try:
-        file = fmus.build.build(
-            module, kind=kind, fmi=fmi, period=exact, platforms=platforms, folder=folder
-        )
+        if module.startswith(PREFIX):
+            file = build_supplied(module, folder)
+        else:
+            file = fmus.build.build(
+                module,
+                kind=kind,
+                fmi=fmi,
+                period=exact,
+                platforms=platforms,
+                folder=folder,
+            )
     except fmus.build.BuildError as error:
         raise ScenarioError(f"{module}: {error}") from None
     return {

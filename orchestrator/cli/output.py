@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 TRACEBACK = "FEEDDRIVE_TRACEBACK"
+MANY = 1000  # rows of a table that is still laid out for the terminal
 P = ParamSpec("P")
 Progress = Callable[[Fraction], None]
 
@@ -115,7 +116,11 @@ def print_table(
     """Print a table on stdout; columns headed ``>name`` are aligned right.
 
     On a terminal too narrow for it every row becomes a paragraph: nothing is cut.
+    More than ``MANY`` rows are printed as they are, which Rich takes seconds for.
     """
+    if len(rows) > MANY:
+        _print_lines(head, rows, title)
+        return
     from rich import box
     from rich.console import Console
     from rich.table import Table
@@ -143,6 +148,22 @@ def print_table(
     for row in rows:
         table.add_row(*(Text(cell) for cell in row))
     console.print(table)
+
+
+def _print_lines(
+    head: Sequence[str], rows: Sequence[Sequence[str]], title: str
+) -> None:
+    names = [name.removeprefix(">") for name in head]
+    widths = [max(map(len, column)) for column in zip(names, *rows, strict=True)]
+    marks = [
+        f"{{:{'>' if name.startswith('>') else '<'}{width}}}"
+        for name, width in zip(head, widths, strict=True)
+    ]
+    line = "  ".join(["", *marks])
+    printed = [title] if title else []
+    printed += [line.format(*names).rstrip(), "-" * (sum(widths) + 2 * len(widths))]
+    printed += [line.format(*row).rstrip() for row in rows]
+    typer.echo("\n".join(printed))
 
 
 def _print_paragraphs(

@@ -55,7 +55,7 @@ def demo(json: Json = False, verbose: Verbose = False) -> None:
 
 def print_comparison(runs: "list[Run]", title: str) -> None:
     """Print the common figures of two runs, and how much lower the second's are."""
-    from orchestrator.report.figure import names_of
+    from orchestrator.report.panels import names_of
 
     first, second = runs
     rows = []

@@ -144,6 +144,16 @@ def print_swap(first: "Run", second: "Run") -> None:
                 change(name, first.metrics, second.metrics),
             ]
         )
+    for left in second.composition.not_taken_over:
+        row = [
+            left.name,
+            f"{left.value:.6g}",
+            "not taken over",
+            "",
+            left.unit,
+            left.why,
+        ]
+        rows.append(row)
     head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
     if first.diverged:

@@ -54,7 +54,8 @@ def _check(name: str, e: Expectation, figures: Mapping[str, Quantity]) -> Check:
     if e.near is not None and e.within is not None:
         wanted.append(f"{e.near:g} within {e.within:g}")
         met &= abs(value.value - e.near) <= e.within
-    expected = f"expected {' and '.join(wanted)}"
+    unit = "" if e.unit in (None, "1") else f" {e.unit}"
+    expected = f"expected {' and '.join(wanted)}{unit}"
     if isinstance(value, NoValue):
         return Check(name, False, f"{name}: {value}; {expected}", decided=False)
     return Check(name, bool(met), f"{name} = {value}, {expected}")

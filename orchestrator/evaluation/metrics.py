@@ -103,7 +103,7 @@ def scaled(
 
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
-    total = _factors(spec, signal.unit, parameter)
+    total = factors(spec, signal.unit, parameter)
     values, own = signal.values * total.value, unit_of(total.unit)
     if to_unit is None:
         return values, own
@@ -125,16 +125,16 @@ def unit_doubts(
     """
     if isinstance(spec, SineMetric) and spec.against:
         return ()
-    own = unit_of(_factors(spec, unit(spec.of), parameter).unit)
+    own = unit_of(factors(spec, unit(spec.of), parameter).unit)
     doubts = conversion(own, spec.unit).doubts if spec.unit else ()
     if isinstance(spec, ErrorMetric | ContourMetric):
         other = spec.against if isinstance(spec, ErrorMetric) else spec.across
-        beside = _factors(spec, unit(other), parameter).unit
+        beside = factors(spec, unit(other), parameter).unit
         doubts += conversion(beside, spec.unit or own).doubts
     return doubts
 
 
-def _factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
+def factors(spec: MetricSpec, unit: str, parameter: Parameters) -> Quantity:
     """Return scale / per, in the unit that a signal in ``unit`` takes by it."""
     scale, per = (factor(f, parameter) for f in (spec.scale, spec.per))
     if per.value == 0:

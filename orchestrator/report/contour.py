@@ -15,7 +15,8 @@ from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.metrics import scaled
 from orchestrator.evaluation.motion import contour_error, nearest_on_contour
 from orchestrator.evaluation.schema import ContourMetric
-from orchestrator.report.figure import COLOURS, REFERENCE, decimate, names_of, readable
+from orchestrator.report.figure import COLOURS, REFERENCE, decimate
+from orchestrator.report.panels import names_of, readable
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
@@ -29,7 +30,7 @@ class Traced(NamedTuple):
     """A run's path about a contour, all (n,), in ``unit``.
 
     ``foot`` is the nearest point of the contour, ``away`` the vector from it to
-    the path, ``error`` the signed distance.
+    the path, ``error`` the signed distance; ``of`` counts the points recorded.
     """
 
     label: str
@@ -41,6 +42,7 @@ class Traced(NamedTuple):
     foot: tuple[Array, Array]
     away: tuple[Array, Array]
     error: Array
+    of: int
 
 
 def contours(runs: "Sequence[Run]") -> list[Any]:
@@ -70,11 +72,13 @@ def traced(run: "Run", label: str) -> Iterable[Traced]:
         time, x, y = of.time[inside], x[inside], y[inside]
         error = contour_error(x, y, metric.shape, size)
         kept = np.searchsorted(time, decimate(time, error)[0])
+        points = len(error)
         x, y, error = x[kept], y[kept], error[kept]
         foot = nearest_on_contour(x, y, metric.shape, size)
         away = x - foot[0], y - foot[1]
         axes = metric.of, metric.across
-        yield Traced(label, name, axes, metric.shape, size, unit, foot, away, error)
+        where = size, unit, foot, away, error, points
+        yield Traced(label, name, axes, metric.shape, *where)
 
 
 def magnification(paths: Sequence[Traced]) -> float:
@@ -119,13 +123,27 @@ def _figure(name: str, paths: Sequence[Traced]) -> Any:
     plot.update_xaxes(title_text=f"{paths[0].axes[0]} in {unit}")
     plot.update_yaxes(title_text=f"{paths[0].axes[1]} in {unit}", scaleanchor="x")
     plot.update_layout(
-        title=f"{name}: error magnified {M:,.0f} times",
+        title={
+            "text": f"{name}: error magnified {M:,.0f} times",
+            "subtitle": {"text": _honest(paths)},
+        },
         template="plotly_white",
         height=640,
         margin={"l": 80, "r": 20, "t": 60, "b": 50},
         font={"family": "system-ui, sans-serif", "size": 13, "color": "#22262b"},
     )
     return plot
+
+
+def _honest(paths: Sequence[Traced]) -> str:
+    """Say how much of the paths is drawn, where it is not all."""
+    path = max(paths, key=lambda p: p.of)
+    if path.of == len(path.error):
+        return ""
+    return (
+        f"through {len(path.error):,} of {path.of:,} recorded points, the largest "
+        f"errors among them; between two that are drawn it is not what was recorded"
+    )
 
 
 def _outline(path: Traced) -> tuple[Array, Array]:

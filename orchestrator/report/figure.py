@@ -1,56 +1,38 @@
-"""The curves of a report: panels over one time axis, several runs overlaid.
+"""The picture of a report's panels, drawn by Plotly.
 
-Every error metric gives two panels (reference and actual, error); the other
-recorded signals share one panel per unit.  A trace has at most 5,000 points:
-the smallest and the largest of each stretch, so that no peak is lost.
+A trace begins with at most 5,000 points, the smallest and the largest of each
+stretch, so that no peak is lost; the page draws it anew from all points when it
+is zoomed (``zoom.js``).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from orchestrator.evaluation.compared import taken
-from orchestrator.evaluation.metrics import scaled
-from orchestrator.evaluation.schema import ErrorMetric
-from orchestrator.quantity import converter
-from orchestrator.system import split_name
+from orchestrator.report.panels import Array, Curve, Panel, panels
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
-
-Array: TypeAlias = NDArray[np.float64]
 
 POINTS = 5000
 COLOURS = ("#1f5fa8", "#d1495b", "#2e8b57", "#e09f3e", "#6c4f9c", "#3a9fb5", "#7f7f7f")
 DASHES = ("solid", "dot", "dash", "dashdot")
 REFERENCE = "#8a8f98"
-_LARGE = {"um": (1e4, "mm"), "mm": (1e4, "m"), "us": (1e4, "ms")}
+LIMIT = "#b03a48"
+FAR = 5.0  # times the largest value of a panel: a limit beyond is only named
 
 
 @dataclass
-class Curve:
-    """One line: ``time`` (s) and ``values``, both (n,), of run number ``run``."""
+class Drawing:
+    """A Plotly figure, and its curves by the number of their trace."""
 
-    label: str
-    time: Array
-    values: Array
-    run: int
-    is_reference: bool = False
+    plot: Any
+    curves: dict[int, Curve] = field(default_factory=dict)
 
 
-@dataclass
-class Panel:
-    """Curves of one unit over time."""
-
-    title: str
-    unit: str
-    curves: list[Curve] = field(default_factory=list)
-
-
-def figure(runs: "Sequence[Run]") -> Any:
+def figure(runs: "Sequence[Run]") -> Drawing:
     """Return the Plotly figure of one run or of several overlaid."""
     import plotly.graph_objects as go
     from plotly.subplots import make_subplots
@@ -65,12 +47,14 @@ def figure(runs: "Sequence[Run]") -> Any:
         vertical_spacing=gap,
         subplot_titles=[panel.title for panel in shown],
     )
+    drawing = Drawing(plot)
     for row, panel in enumerate(shown, start=1):
         styles: dict[str, int] = {}
         for curve in panel.curves:
+            drawing.curves[len(plot.data)] = curve
             time, values = decimate(curve.time, curve.values)
             plot.add_trace(
-                go.Scattergl(
+                go.Scatter(
                     x=time,
                     y=values,
                     name=curve.label,
@@ -82,6 +66,7 @@ def figure(runs: "Sequence[Run]") -> Any:
                 row=row,
                 col=1,
             )
+        _draw_limits(plot, panel, row)
         plot.update_yaxes(title_text=panel.unit, row=row, col=1)
         top = 1 - (row - 1) * (1 + gap) / count if count > 1 else 1.0
         key = f"legend{row if row > 1 else ''}"
@@ -94,7 +79,57 @@ def figure(runs: "Sequence[Run]") -> Any:
         hovermode="x unified",
         font={"family": "system-ui, sans-serif", "size": 13, "color": "#22262b"},
     )
-    return plot
+    return drawing
+
+
+def _draw_limits(plot: Any, panel: Panel, row: int) -> None:
+    """Draw windows as shades, limits as lines; a far limit does not flatten curves."""
+    for start, end, name in dict.fromkeys(panel.windows):
+        shade = {"fillcolor": REFERENCE, "opacity": 0.12, "line_width": 0}
+        plot.add_vrect(
+            x0=start,
+            x1=end,
+            layer="below",
+            row=row,
+            col=1,
+            annotation={"text": f"window of {name}", "font": {"size": 10}},
+            annotation_position="top left",
+            **shade,
+        )
+    peak = max((float(np.max(np.abs(c.values))) for c in panel.curves), default=0.0)
+    begin = min((float(c.time[0]) for c in panel.curves), default=0.0)
+    end = max((float(c.time[-1]) for c in panel.curves), default=0.0)
+    named: set[str] = set()
+    for value, label in dict.fromkeys(panel.limits):
+        if abs(value) > FAR * peak:
+            said = f"{label}: beyond the picture"
+        else:
+            said = label
+            plot.add_scatter(
+                x=[begin, end],
+                y=[value, value],
+                mode="lines",
+                showlegend=False,
+                hoverinfo="skip",
+                line={"color": LIMIT, "width": 1, "dash": "dot"},
+                row=row,
+                col=1,
+            )
+        if label in named:
+            continue
+        named.add(label)
+        plot.add_annotation(
+            x=1,
+            y=min(max(value, -peak), peak),
+            xref="x domain",
+            text=said,
+            showarrow=False,
+            xanchor="right",
+            yanchor="bottom",
+            font={"size": 10, "color": LIMIT},
+            row=row,
+            col=1,
+        )
 
 
 def _line(curve: Curve, compared: bool, styles: dict[str, int]) -> dict[str, Any]:
@@ -106,98 +141,6 @@ def _line(curve: Curve, compared: bool, styles: dict[str, int]) -> dict[str, Any
     within = sum(key.startswith(f"{curve.run} ") for key in styles) - 1
     colour = COLOURS[curve.run % len(COLOURS)]
     return {"color": colour, "width": 1.5, "dash": DASHES[within % len(DASHES)]}
-
-
-def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
-    """Return the panels of a report; runs share the panels of equal meaning."""
-    merged: dict[tuple[str, str], Panel] = {}
-    for number, (run, name) in enumerate(zip(runs, names_of(runs), strict=True)):
-        label = f"{name}: " if len(runs) > 1 else ""
-        own = {(p.title, p.unit): p for p in _tracking(run, number, label)}
-        own |= {("", p.unit): p for p in _others(run, number, label)}
-        for key, panel in own.items():
-            known = merged.setdefault(key, Panel(panel.title, panel.unit)).curves
-            known.extend(c for c in panel.curves if not _already(c, known))
-    return merged.values()
-
-
-def name_of(run: "Run") -> str:
-    """Return a short name of a run for legends and tables."""
-    return run.scenario.spec.title or run.scenario.name.rpartition("/")[2]
-
-
-def names_of(runs: "Sequence[Run]") -> list[str]:
-    """Return names that tell runs apart, without the ending all have in common."""
-    names = [name_of(run) for run in runs]
-    words = [name.split() for name in names]
-    while all(words) and len({line[-1] for line in words}) == 1:
-        words = [line[:-1] for line in words]
-    short = [" ".join(line).rstrip(",") for line in words]
-    return short if all(short) and len(runs) > 1 else names
-
-
-def _already(curve: Curve, known: Sequence[Curve]) -> bool:
-    """Tell whether a reference is already drawn: equal runs follow one command."""
-    return curve.is_reference and any(
-        k.is_reference and np.array_equal(k.values, curve.values) for k in known
-    )
-
-
-def _tracking(run: "Run", number: int, label: str) -> Iterable[Panel]:
-    for name, metric in run.scenario.spec.metrics.items():
-        if not isinstance(metric, ErrorMetric):
-            continue
-        found = taken(metric, run)
-        of, against = found["of"], found["against"]
-        parameter = run.composition.parameter
-        actual, unit = scaled(metric, of, parameter, metric.unit)
-        reference, _ = scaled(metric, against, parameter, unit)
-        error = reference - actual
-        large, its = readable(unit, np.max(np.abs(reference)))
-        first = Panel(f"{name}: reference and actual", its)
-        first.curves = [
-            Curve(metric.against, against.time, large(reference), number, True),
-            Curve(label + metric.of, of.time, large(actual), number),
-        ]
-        yield first
-        second = Panel(f"{name}: error", unit)
-        second.curves = [Curve(f"{label}error", of.time, error, number)]
-        yield second
-
-
-def readable(unit: str, peak: float) -> tuple[Any, str]:
-    """Return a conversion to the unit in which values up to ``peak`` read well."""
-    limit, larger = _LARGE.get(unit, (np.inf, unit))
-    return (converter(unit, larger), larger) if peak > limit else (lambda v: v, unit)
-
-
-def _others(run: "Run", number: int, label: str) -> Iterable[Panel]:
-    taken = {
-        signal
-        for metric in run.scenario.spec.metrics.values()
-        if isinstance(metric, ErrorMetric)
-        for signal in metric.signals().values()
-    }
-    by_unit: dict[str, list[str]] = {}
-    order = {name: place for place, name in enumerate(run.composition.system.record)}
-    for name in sorted(run, key=lambda n: order.get(n.partition("[")[0], len(order))):
-        if name not in taken:
-            by_unit.setdefault(run[name].unit, []).append(name)
-    for unit, names in by_unit.items():
-        panel = Panel(_title(run, names, unit), unit)
-        for name in names:
-            signal = run[name]
-            panel.curves.append(Curve(label + name, signal.time, signal.values, number))
-        yield panel
-
-
-def _title(run: "Run", names: Sequence[str], unit: str) -> str:
-    """Return what a panel's signals are, by the FMU's own description of one."""
-    if len(names) == 1:
-        component, variable = split_name(names[0])
-        known = run.composition.fmus[component].variables.get(variable)
-        return known.description if known and known.description else names[0]
-    return "other signals" if unit == "1" else f"signals in {unit}"
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:

@@ -26,9 +26,15 @@ from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import (
     DesignSpec,
     FaultSpec,
+    MapSpec,
 )
 from orchestrator.scenario.stars import open_connections, open_record
-from orchestrator.scenario.swapped import refuse_lost_inputs, refuse_unknown_names
+from orchestrator.scenario.swapped import (
+    refuse_lost_inputs,
+    refuse_unknown_names,
+    swaps,
+)
+from orchestrator.scenario.takeover import NotTakenOver
 from orchestrator.scenario.unit_names import read_units
 from orchestrator.scenario.values import Part, Values
 from orchestrator.scenario.without_effect import without_effect
@@ -48,7 +54,8 @@ class Composition:
 
     ``sources`` says what each FMU was made of: a module, a model file or an
     ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
-    user has to know of it.
+    user has to know of it, ``not_taken_over`` the scenario's values that a swapped
+    component left.
     """
 
     scenario: Scenario
@@ -58,6 +65,7 @@ class Composition:
     digests: Mapping[str, str]
     designs: Mapping[str, DesignResult]
     _values: tuple[Values, Values]
+    not_taken_over: tuple[NotTakenOver, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Quantity:
@@ -103,11 +111,15 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     _refuse_other_content(scenario, digests)
     nominal = _nominal(scenario)
     designs = _design(scenario, nominal, fmus, earlier)
+    specs, left = dict(spec.components), []
+    for name, swap in swaps(scenario, fmus).items():
+        specs[name], not_taken_over = swap.take_over(specs[name])
+        left.extend(not_taken_over)
+    for one in left:
+        warn(str(one))
     components = {
-        name: component_of(
-            name, spec.components[name], located[name], nominal.designed[name]
-        )
-        for name in spec.components
+        name: component_of(name, specs[name], located[name], nominal.designed[name])
+        for name in specs
     }
     for name, component in components.items():
         refuse_unknown_names(component, fmus[name])
@@ -128,8 +140,9 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         warn(note)
     sources = {name: found.source for name, found in located.items()}
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
+    both = actual, nominal
     return Composition(
-        scenario, system, fmus, sources, digests, designs, (actual, nominal)
+        scenario, system, fmus, sources, digests, designs, both, tuple(left)
     )
 
 
@@ -166,6 +179,7 @@ def _design(
     earlier: RunEarlier,
 ) -> dict[str, DesignResult]:
     """Carry out all design steps, noting in ``nominal`` what they found."""
+    maps = {name: c.map for name, c in scenario.spec.components.items()}
 
     def earlier_beside(name: str) -> Result:
         return earlier(scenario.beside(name))
@@ -174,7 +188,7 @@ def _design(
     for name, step in scenario.spec.design.items():
         try:
             results[name] = run_step(name, step, nominal.value, earlier_beside)
-            _hand_over(f"design.{name}", step, results[name], nominal, fmus)
+            _hand_over(f"design.{name}", step, results[name], nominal, fmus, maps)
         except (DesignError, ScenarioError) as error:
             raise type(error)(f"{scenario.file}: {error}") from None
     return results
@@ -186,9 +200,10 @@ def _hand_over(
     found: DesignResult,
     nominal: Values,
     fmus: Mapping[str, FmuDescription],
+    maps: Mapping[str, Mapping[str, MapSpec]],
 ) -> None:
     for key, value in found.values.items():
-        takers = [c for c in step.sets if _has(fmus[c], key)]
+        takers = [c for c in step.sets if _has(fmus[c], key) or key in maps[c]]
         for component in takers:
             nominal.designed[component][key] = value
         if step.sets and not takers:

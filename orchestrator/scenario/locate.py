@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from fmus.model import Sampled
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import read_fmu
 from orchestrator.scenario.moved import refusal
+from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
 from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
@@ -76,16 +77,18 @@ def digest(path: Path) -> str:
 def component_of(
     name: str, spec: ComponentSpec, found: Located, designed: Mapping[str, Value]
 ) -> Component:
-    """Return a component as its specification and design say."""
-    return Component(
+    """Return a component as its specification and design say.
+
+    Raises:
+        ScenarioError: a value with a unit does not fit its variable.
+    """
+    component = Component(
         name=name,
         fmu=found.path,
         period=found.period,
         offset=spec.offset,
         latency=spec.latency,
         kind=spec.kind,
-        parameters={**designed, **spec.parameters},
-        start=dict(spec.start),
         map={k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()},
         isolation=Isolation(
             None if spec.isolation is None else spec.isolation == "process",
@@ -95,3 +98,7 @@ def component_of(
         experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
         split=spec.split,
     )
+    fmu = read_fmu(found.path)
+    parameters = in_own_units(component, fmu, "parameters", spec.parameters)
+    start = in_own_units(component, fmu, "start", spec.start)
+    return replace(component, parameters={**designed, **parameters}, start=start)

@@ -19,7 +19,7 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
-from orchestrator.scenario.schema import parse_value
+from orchestrator.scenario.schema import parse_setting
 
 _OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
 _OF_DESIGN = ("from_run", "call")
@@ -127,7 +127,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
     if table not in ("parameters", "start") or not name:
         table, name = ("start" if table == "state" else "parameters"), rest
     try:
-        parse_value(value)
+        parse_setting(value)
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
     component.setdefault(table, {})[name] = value

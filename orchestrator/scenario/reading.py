@@ -12,10 +12,9 @@ names the file and the key path.  ``nominal`` is the scenario without what the
 command line changed on components: what design steps are told.
 """
 
-import logging
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -27,10 +26,10 @@ from orchestrator.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
+from orchestrator.scenario.takeover import TABLES
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
-LOG = logging.getLogger("feeddrive")
 REMOVABLE = (
     "components",
     "connections",
@@ -48,7 +47,8 @@ _NOT_SCENARIOS = ("reference.toml",)
 class Scenario:
     """A validated scenario: its name, its file, what it says after overrides.
 
-    ``swapped`` are its swaps, written ``component=fmu``.
+    ``swapped`` are its swaps, written ``component=fmu``; ``carried`` the values, by
+    component and table, that a swapped one is to take over.
     """
 
     name: str
@@ -57,6 +57,7 @@ class Scenario:
     nominal: Specification
     overrides: tuple[str, ...] = ()
     swapped: tuple[str, ...] = ()
+    carried: Mapping[str, Mapping[str, tuple[str, ...]]] = field(default_factory=dict)
 
     def beside(self, name: str) -> str:
         """Return the full name or path of a scenario named from within this one."""
@@ -96,6 +97,8 @@ def scenario_from(
     changed = _copy(raw)
     for component, swap in (swaps or {}).items():
         _swap(changed, component, swap)
+    for tables in (plain, changed):
+        _set_by_map(tables)
     for text in overrides:
         on_component = apply_override(changed, text)
         if not on_component:
@@ -103,7 +106,9 @@ def scenario_from(
     nominal = _validate(plain, file)
     spec = _validate(changed, file) if changed != plain else nominal
     swapped = tuple(f"{name}={swap['fmu']}" for name, swap in (swaps or {}).items())
-    return Scenario(scenario_name(file), file, spec, nominal, tuple(overrides), swapped)
+    carried = {name: _carried(changed, plain, name) for name in swaps or {}}
+    name = scenario_name(file)
+    return Scenario(name, file, spec, nominal, tuple(overrides), swapped, carried)
 
 
 def find_scenario(name: str | Path) -> Path:
@@ -290,15 +295,33 @@ def _swap(raw: dict[str, Any], component: str, swap: Mapping[str, Any]) -> None:
             f"{did_you_mean(component, components)}"
         )
     old = components[component]
-    kept = {key: old[key] for key in _KEPT if key in old}
-    lost = [f"{t}.{key}" for t in ("parameters", "start") for key in old.get(t, {})]
-    if lost:
-        LOG.warning(
-            "--swap %s: the other FMU does not take over %s; set its own with --set",
-            component,
-            ", ".join(lost),
+    kept = {key: old[key] for key in (*_KEPT, *TABLES) if key in old}
+    components[component] = _copy({**kept, **swap})
+
+
+def _set_by_map(raw: dict[str, Any]) -> None:
+    """Make parameters of the values in maps, which go before the scenario's."""
+    components = raw.get("components", {})
+    for component in components.values() if isinstance(components, dict) else ():
+        maps = component.get("map") if isinstance(component, dict) else None
+        for name, entry in maps.items() if isinstance(maps, dict) else ():
+            if isinstance(entry, dict) and "value" in entry:
+                component.setdefault("parameters", {})[name] = entry.pop("value")
+
+
+def _carried(
+    raw: Mapping[str, Any], plain: Mapping[str, Any], component: str
+) -> dict[str, tuple[str, ...]]:
+    """Return the values of a swapped component that are still the scenario's own."""
+    before, now = (r["components"][component] for r in (plain, raw))
+    return {
+        table: tuple(
+            key
+            for key, value in before.get(table, {}).items()
+            if now.get(table, {}).get(key) is value
         )
-    components[component] = {**kept, **swap}
+        for table in TABLES
+    }
 
 
 def _validate(raw: Mapping[str, Any], file: Path) -> Specification:

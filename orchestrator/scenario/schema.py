@@ -65,6 +65,15 @@ def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def parse_setting(value: Any) -> Value | str:
+    """Return what a parameter or start is set to: a value, or a text as ``"8 kg"``.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    return value if isinstance(value, str) else parse_value(value)
+
+
 def _source(value: Any) -> float | str | tuple[str, ...]:
     if isinstance(value, str):
         return value
@@ -80,12 +89,15 @@ Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
-Number: TypeAlias = Annotated[Value, PlainValidator(parse_value)]
+Number: TypeAlias = Annotated[Value | str, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
 
 
 class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side."""
+    """A foreign variable under our name: theirs, gain, offset, unit of our side.
+
+    A ``value``, in our unit, is one of the component's parameters.
+    """
 
     name: str
     gain: float | None = None

@@ -8,7 +8,8 @@ from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.ports import ports
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
-from orchestrator.scenario.stars import open_connections
+from orchestrator.scenario.stars import open_connections, open_record
+from orchestrator.scenario.takeover import Swap
 from orchestrator.system import Component, Value, split_name
 
 
@@ -27,6 +28,44 @@ def refuse_unknown_names(component: Component, fmu: FmuDescription) -> None:
         ports(component, fmu, ours)
 
 
+def swaps(scenario: Scenario, fmus: Mapping[str, FmuDescription]) -> dict[str, Swap]:
+    """Return the components whose place another FMU takes, by name."""
+    if not scenario.carried:
+        return {}
+    spec = scenario.nominal
+    old_fmus, components, connections = _original(scenario)
+    ends = {*connections, *connections.values()}
+    ends |= open_record(spec, components, old_fmus).keys()
+    used: dict[str, set[str]] = {name: set() for name in components}
+    for end in ends:
+        owner, name = split_name(end)
+        used[owner].add(name)
+    return {
+        name: Swap(
+            components[name],
+            old_fmus[name],
+            fmus[name],
+            carried,
+            {*used[name], *(key for keys in carried.values() for key in keys)},
+        )
+        for name, carried in scenario.carried.items()
+    }
+
+
+def _original(
+    scenario: Scenario,
+) -> tuple[dict[str, FmuDescription], dict[str, Component], dict[str, str]]:
+    """Return FMUs, components and connections as they are without a swap."""
+    before = scenario.nominal
+    found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
+    fmus = {name: read_fmu(place.path) for name, place in found.items()}
+    components = {
+        name: component_of(name, c, found[name], {})
+        for name, c in before.components.items()
+    }
+    return fmus, components, open_connections(before, components, fmus)[0]
+
+
 def refuse_lost_inputs(
     scenario: Scenario,
     connections: Mapping[str, str],
@@ -42,13 +81,7 @@ def refuse_lost_inputs(
     ]
     if not swapped:
         return
-    found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
-    fmus = {name: read_fmu(place.path) for name, place in found.items()}
-    components = {
-        name: component_of(name, c, found[name], {})
-        for name, c in before.components.items()
-    }
-    original, _ = open_connections(before, components, fmus)
+    _, _, original = _original(scenario)
     for sink, source in original.items():
         component, variable = split_name(sink)
         fed = sink in connections or variable in constants.get(component, {})

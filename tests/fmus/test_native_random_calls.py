@@ -29,7 +29,7 @@ def test_random_calls_leave_sanitizers_silent(
 ) -> None:
     with zipfile.ZipFile(build(str(MODELS / f"{model}.py"))) as fmu:
         fmu.extractall(tmp_path)
-    sources = sorted(str(file) for file in tmp_path.glob("sources/*.c"))
+    sources = [str(file) for file in tmp_path.glob("sources/*.c") if file.stem != "all"]
     program = tmp_path / "random_calls"
     driver = str(Path(__file__).with_name("random_calls.c"))
     command = [*SANITIZED, f"-DFMI={version}", "-I", str(tmp_path / "sources")]

@@ -47,7 +47,7 @@ def test_a_composition_that_misses_its_bounds_fails_and_says_where(
     result.assert_outcomes(failed=1)
     text = result.stdout.str()
     overshoot = re.search(
-        r"speed.overshoot = ([\d.]+) %, expected below 10\n"
+        r"speed.overshoot = ([\d.]+) %, expected below 10 %\n"
         r" +motor.omega - 100 rad/s: worst from ([\d.]+) s to ([\d.]+) s, "
         r"([\d.]+) rad/s at ([\d.]+) s\n",
         text,
@@ -71,7 +71,7 @@ def test_a_figure_the_run_does_not_have_fails_with_reason_stretch_and_report(
     result.assert_outcomes(failed=1)
     lost = re.search(
         r"speed.settling: not settled: the error is -198.\d+ rad/s at 0.1 s, outside "
-        r"the band of 2 rad/s; expected below 30\n"
+        r"the band of 2 rad/s; expected below 30 ms\n"
         r" +motor.omega - 100 rad/s: worst from ([\d.]+) s to 0.1 s",
         result.stdout.str(),
     )

@@ -39,10 +39,16 @@ def compile_source(
     present: Collection[str],
     defined: Mapping[str, int],
 ) -> Path:
-    """Compile a source whose config.h names it the standard's functions.
+    """Compile a source whose config.h names it the standard's functions."""
+    config = configured(fmi, source, present, defined)
+    sources = {"config.h": config, source.name: source.read_text()}
+    return compile_alone(source.stem, sources, host_platform(), folder / "libraries")
 
-    Those that are neither in its text nor ``present`` return Error.
-    """
+
+def configured(
+    fmi: int, source: Path, present: Collection[str], defined: Mapping[str, int]
+) -> str:
+    """Return config.h: functions neither in the text nor ``present`` return Error."""
     text = source.read_text()
     slaves = (FMU2Slave,) if fmi == 2 else (FMU3Slave, FMU3Model)
     renamed = {
@@ -57,9 +63,7 @@ def compile_source(
     config += [f"#define {a} {b}" for a, b in renamed.items()]
     absent = sorted(wanted - there)
     stubs = " ".join(f"EXPORT int {name}(void) {{ return ERROR; }}" for name in absent)
-    config += [f"#define ABSENT {stubs}", ""]
-    sources = {"config.h": "\n".join(config), source.name: text}
-    return compile_alone(source.stem, sources, host_platform(), folder / "libraries")
+    return "\n".join([*config, f"#define ABSENT {stubs}", ""])
 
 
 def packed(fmi: int, folder: Path, library: Path, description: str) -> Path:

@@ -81,23 +81,24 @@ def verdict(found: Design) -> Verdict:
     return verify(found, dense_of(found.problem))
 
 
-def _made(problem: Problem, names: list[str], files: list[str]) -> dict[str, Any]:
+def _made(problem: Problem, names: list[str], files: list[str]) -> dict[str, str]:
     found = shipped.rounded(design(problem))
     judged = verdict(found)
     return {
-        file: shipped.contents(found, region, names, judged, WEIGHTS)
+        file: shipped.text(shipped.contents(found, region, names, judged, WEIGHTS))
         for region, file in enumerate(files)
     }
 
 
-def _k_track() -> dict[str, Any]:
+def _k_track() -> dict[str, str]:
     plant, found = tracking_plant(), k_track.design()
     weights = {"W_e": k_track.W_E, "W_v": k_track.W_V, "delta": k_track.DELTA}
     made = linear.linear(found.K, k_vib.T_S)
-    return {"k_track.json": linear.contents(made, plant, found.gamma, weights)}
+    content = linear.contents(made, plant, found.gamma, weights)
+    return {"k_track.json": shipped.text(content)}
 
 
-def _k_track_damped() -> dict[str, Any]:
+def _k_track_damped() -> dict[str, str]:
     table = vibration().tables[0]
     K_vib = continuous(table.at((DAMPED_AT,)), table.T_s)
     G = k_track.damped(over_x(DAMPED_AT), K_vib)
@@ -105,24 +106,25 @@ def _k_track_damped() -> dict[str, Any]:
     plant = k_track.plant_with_weights(W_v=DAMPED_W_V, plant=G)
     weights = {"W_e": k_track.W_E, "W_v": DAMPED_W_V, "delta": k_track.DELTA}
     made = linear.linear(found.K, k_vib.T_S)
-    return {"k_track_damped.json": linear.contents(made, plant, found.gamma, weights)}
+    content = linear.contents(made, plant, found.gamma, weights)
+    return {"k_track_damped.json": shipped.text(content)}
 
 
-def _k_vib() -> dict[str, Any]:
+def _k_vib() -> dict[str, str]:
     return _made(k_vib.problem(tracking()), ["x_c"], ["k_vib.json"])
 
 
-def _k_vib_one_region() -> dict[str, Any]:
+def _k_vib_one_region() -> dict[str, str]:
     problem = switching.one_region(tracking())
     return _made(problem, ["x_c", "m_wor"], ["k_vib_one_region.json"])
 
 
-def _k_vib_switched() -> dict[str, Any]:
+def _k_vib_switched() -> dict[str, str]:
     files = ["k_vib_region_1.json", "k_vib_region_2.json"]
     return _made(switching.two_regions(tracking()), ["x_c", "m_wor"], files)
 
 
-DESIGNS: Mapping[str, Callable[[], dict[str, Any]]] = {
+DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
     "k_track": _k_track,
     "k_vib": _k_vib,
     "k_vib_one_region": _k_vib_one_region,

@@ -36,6 +36,7 @@ WHOLE = (0.2, 0.3, 0.4, 0.5, 0.6)  # m
 FIRST, SECOND = (0.2, 0.235, 0.27), (0.25, 0.34, 0.425, 0.51, 0.6)
 LEAVE, RETURN = 0.27, 0.25  # m
 MASS_RATE = 0.0  # kg/s: the workpiece changes slowly
+PRICE = 1e-5  # of the traces: more costs 2 dB of damping at 10 kg
 BASIS = affine([0.4, 5.0], [0.2, 5.0])
 
 
@@ -57,6 +58,7 @@ def two_regions(
         T_s=T_S,
         decay=decay,
         links=tuple(links),
+        price=PRICE,
     )
 
 
@@ -75,6 +77,7 @@ def one_region(
         axes=((WHOLE, MASSES),),
         T_s=T_S,
         decay=decay,
+        price=PRICE,
     )
 
 

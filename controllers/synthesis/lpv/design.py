@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from controllers.synthesis.lpv.coordinates import Coordinates
-from controllers.synthesis.lpv.elimination import eliminate
+from controllers.synthesis.lpv.elimination import NoSolution, eliminate
 from controllers.synthesis.lpv.frozen import balanced, frozen_optima
 from controllers.synthesis.lpv.inequalities import (
     Storage,
@@ -75,11 +75,12 @@ def design(problem: Problem, solver: str = "CLARABEL") -> Design:
     """Solve the problem and tabulate its controllers.
 
     Raises:
-        NoSolution: the solver says so.
+        NoSolution: the solver says so, or what it claims is impossible.
         ImportError: the extra ``synthesis`` is not installed.
     """
-    units = balanced(problem.plant, problem.frozen, problem.time, problem.gain)
+    units, bound = balanced(problem.plant, problem.frozen, problem.time, problem.gain)
     best, used = eliminate(problem, units, solver)
+    refuse_below(bound, best[0].gamma * units.gain, solver)
     plain = [
         [
             tustin(_built(problem, units, region, found, rho), problem.T_s)
@@ -93,6 +94,19 @@ def design(problem: Problem, solver: str = "CLARABEL") -> Design:
         for systems, axes in zip(plain, problem.axes, strict=True)
     )
     return Design(problem, units, best, used, balance, tables)
+
+
+def refuse_below(bound: float, gamma: float, solver: str) -> None:
+    """Refuse a γ that no controller can keep.
+
+    Raises:
+        NoSolution: γ is below the optimum of a plant that stands still.
+    """
+    if gamma < bound:
+        raise NoSolution(
+            f"{solver} claims {gamma:.4g}, but a plant of the grid that stands still "
+            f"has the H-infinity optimum {bound:.4g}: use another solver"
+        )
 
 
 def lower_bound(problem: Problem) -> float:

@@ -25,11 +25,12 @@ class NoSolution(ValueError):
 
 
 def eliminate(
-    problem: Problem, units: Coordinates, solver: str = "CLARABEL"
+    problem: Problem, units: Coordinates, solver: str = "CLARABEL", **options: Any
 ) -> tuple[tuple[Found, ...], tuple[Found, ...]]:
     """Return, per region, what belongs to the smallest γ and what to build from.
 
     X is common to all regions, Y each region's own; γ, X and Y are in ``units``.
+    ``options`` are the solver's own.
 
     Raises:
         NoSolution: the solver says so.
@@ -38,14 +39,14 @@ def eliminate(
     cp = solver_package()
     gamma = cp.Variable()
     unknowns = _Unknowns(cp, problem, units)
-    _solve(cp, cp.Minimize(gamma), unknowns.inequalities(gamma, 1.0), solver)
+    _solve(cp, cp.Minimize(gamma), unknowns.inequalities(gamma, 1.0), solver, options)
     smallest = float(gamma.value)
     best = unknowns.found(smallest)
 
     t, used = cp.Variable(), problem.back_off * smallest
     constraints = [*unknowns.inequalities(used, t), t >= 1]
     goal = cp.Maximize(t - problem.price * unknowns.traces())
-    _solve(cp, goal, constraints, solver)
+    _solve(cp, goal, constraints, solver, options)
     return best, unknowns.found(used)
 
 
@@ -141,13 +142,15 @@ class _Unknowns:
         return N.T @ M @ N
 
 
-def _solve(cp: Any, goal: Any, constraints: list[Any], solver: str) -> None:
+def _solve(
+    cp: Any, goal: Any, constraints: list[Any], solver: str, options: dict[str, Any]
+) -> None:
     problem = cp.Problem(goal, constraints)
     with warnings.catch_warnings():
         # what counts is whether the dense check holds, not the solver's opinion
         warnings.simplefilter("ignore")
         try:
-            problem.solve(solver=solver)
+            problem.solve(solver=solver, **options)
         except cp.SolverError as error:
             raise NoSolution(f"{solver} failed: {error}") from None
     if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):

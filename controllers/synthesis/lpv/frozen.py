@@ -18,6 +18,7 @@ from controllers.synthesis.lpv.problem import PlantAt, Values
 from controllers.synthesis.lpv.systems import Matrix
 
 ROUNDING = 1e-15
+COARSE = 1e-2  # relative width of γ for a bound
 BACK_OFF = 1.5  # of γ for the Riccati solutions: at the optimum they degenerate
 
 
@@ -38,18 +39,22 @@ def frozen_optima(
 
 def balanced(
     plant: PlantAt, at: Sequence[Values], time: float, gain: float = 1.0
-) -> Coordinates:
-    """Return units and states for an LPV design.
+) -> tuple[Coordinates, float]:
+    """Return units and states for an LPV design, and a lower bound of its γ.
 
-    Args: as of ``frozen_optima``; a few values of ρ, the ends among them, suffice.
+    The bound is that of ``frozen_optima``, 1 % low.  A few values of ρ, the ends
+    among them, suffice.
     """
     plants = [plant(rho) for rho in at]
     units = suitable(plants, time, gain)
-    X, Y = np.zeros((2, plants[0].order, plants[0].order))
+    X, Y, bound = *np.zeros((2, plants[0].order, plants[0].order)), 0.0
     for scaled in map(units.plant, plants):
-        control, estimate = riccati(scaled, BACK_OFF * optimum(scaled, 1e-2).gamma)
+        gamma = optimum(scaled, COARSE).gamma
+        control, estimate = riccati(scaled, BACK_OFF * gamma)
         X, Y = X + control / len(plants), Y + estimate / len(plants)
-    return replace(units, T=units.T @ balancing(np.linalg.inv(Y), np.linalg.inv(X)))
+        bound = max(bound, gain * gamma / (1 + COARSE))
+    T = units.T @ balancing(np.linalg.inv(Y), np.linalg.inv(X))
+    return replace(units, T=T), bound
 
 
 def balancing(P: Matrix, Q: Matrix) -> Matrix:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.errors import ScenarioError
-from orchestrator.report.figure import panels
+from orchestrator.report.panels import panels
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 

@@ -183,6 +183,6 @@ def test_an_expectation_on_what_has_no_value_is_unmet_with_the_reason():
     found = {"m.settling": NoValue("s", why="not settled: 3 um at 2 s")}
     (result,) = check({"m.settling": Expectation(below=30, unit="ms")}, found)
     assert (result.met, result.decided) == (False, False)
-    assert result.text == "m.settling: not settled: 3 um at 2 s; expected below 30"
+    assert result.text == "m.settling: not settled: 3 um at 2 s; expected below 30 ms"
     with pytest.raises(ScenarioError, match=r"m\.settling"):
         check({"m.settling": Expectation(below=30, unit="mm")}, found)

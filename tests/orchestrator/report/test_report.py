@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orchestrator.errors import ScenarioError
-from orchestrator.report.figure import decimate, names_of, panels
+from orchestrator.report.figure import decimate
 from orchestrator.report.page import write_report
+from orchestrator.report.panels import names_of, panels
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 

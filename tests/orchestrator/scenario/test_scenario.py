@@ -76,7 +76,6 @@ def test_times_rates_and_rows_are_exact(drive):
         ('"20 kHz"', '"20 kXz"', "rates.control", "kHz"),
         ("0.379e-3", "nan", "components.plant.parameters.m_2", "finite"),
         ("0.379e-3", "[1.0, inf]", "components.plant.parameters.m_2", "finite"),
-        ("0.379e-3", "'big'", "components.plant.parameters.m_2", "number"),
         ('"plant.u"', '"plnt.u"', 'connections."plnt.u"', "'plant'"),
         ('"plant.u"', '"plant"', 'connections."plant"', "plant.<variable>"),
         ('"controller.u"', '"1 mm"', 'connections."plant.u"', "without quotes"),
@@ -156,7 +155,6 @@ def test_a_design_step_can_be_left_out(drive):
         ("plnt.m_2=1", "'plant'"),
         ("stp=1", "'stop'"),
         ("plant.m_2=nan", "finite"),
-        ("plant.m_2=heavy", "number"),
         ("rates.contrl=1 kHz", "'control'"),
         ("design.gans.beta=1", "'gains'"),
         ("design.gains=3", "false"),
@@ -227,16 +225,17 @@ def test_every_scenario_of_a_study_is_valid(study):
         assert scenario_name(file) == f"{study}/{name}"
 
 
-def test_a_swap_takes_the_times_but_not_the_parameters(drive, caplog):
+def test_a_swap_takes_times_and_values_and_a_map_may_set_some(drive):
+    mass = {"name": "mass", "value": 3.0}
     swapped = load_scenario(
         drive,
         ["plant.theta=1"],
-        {"plant": {"fmu": "/their.fmu", "map": {"u": "voltage"}}},
+        {"plant": {"fmu": "/their.fmu", "map": {"u": "voltage", "m_1": mass}}},
     )
     plant = swapped.spec.components["plant"]
     assert plant.fmu == "/their.fmu"
     assert plant.step == Fraction(1, 20_000)
-    assert plant.parameters == {"theta": 1}
+    assert plant.parameters == {"theta": 1, "m_1": 3.0, "m_2": 0.379e-3}
+    assert swapped.carried == {"plant": {"parameters": ("m_2",), "start": ()}}
     assert plant.map["u"].name == "voltage"
-    assert "parameters.m_2" in caplog.text
     assert swapped.nominal.components["plant"].fmu == "plants.ball_screw.two_mass"
