@@ -30,12 +30,17 @@ def pair(**options: object) -> System:
     return system("1/100", parts, {"b.u": "a.k"}, {"b.seen": "1/1000"})
 
 
-def lag(**options: object) -> System:
-    source = part("source", "memory", "1/1000", start={"u": 2.0})
-    plant = Component("late", build(str(SMALL / "late.py")), Fraction(1, 1000))
-    plant = replace(plant, map={"u": Mapped("u", 1.0, 0.0, "V")}, **options)
-    wires = {"late.u": "source.y"}
-    return system("1/50", [source, plant], wires, {"late.y": "1/1000"})
+def controller(kind: str) -> Component:
+    file = build(str(SMALL / "pi.py"), kind=kind, period=Fraction(1, 1000))  # type: ignore[arg-type]
+    start = {"r": 1.0}
+    return Component("pi", file, Fraction(1, 1000), kind="sampled", start=start)
+
+
+def lag() -> System:
+    file, per = build(str(SMALL / "late.py")), {"u": Mapped("u", 2.0, 0.0, "N.m")}
+    plant = Component("late", file, Fraction(1, 1000), map=per)
+    wires = {"late.u": "pi.u"}
+    return system("1/50", [controller("native"), plant], wires, {"late.y": "1/1000"})
 
 
 def circle(g: float) -> System:
@@ -93,13 +98,9 @@ def apart(tmp_path: Path) -> System:
     return replace(given, components={**given.components, "alien": other})
 
 
-def python_fmu(_: Path) -> System:
-    file = build(str(SMALL / "pi.py"), kind="python")
-    one = Component("pi", file, Fraction(1, 1000), kind="sampled")
-    parts = [part("a", "counter", "1/1000"), one]
-    wires = {"pi.e": "a.rate"}
-    maps = replace(one, map={"e": Mapped("e", 1.0, 0.0)})
-    return system("1/100", [parts[0], maps], wires, {"pi.u": "1/1000", "a.k": "1/1000"})
+def python_fmu() -> System:
+    parts = [part("a", "counter", "1/1000"), controller("python")]
+    return system("1/100", parts, {}, {"pi.u": "1/1000", "a.k": "1/1000"})
 
 
 FEATURES: dict[str, Callable[[Path], System]] = {
@@ -120,7 +121,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "FMI 3 clock": lambda _: clocked(),
     "FMU of others": alien,
     "FMU in a process of its own": apart,
-    "Python FMU": python_fmu,
+    "Python FMU": lambda _: python_fmu(),
 }
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
-from test_kernel_equality import SCENARIOS, row, systems
+from random_systems import SCENARIOS, row, systems
 
 from orchestrator.errors import SimulationError, WiringError
 from orchestrator.master.fused.lanes import Lanes
@@ -21,8 +21,8 @@ from orchestrator.system import System
 MAIN = {  # a scenario of each study, what its members differ in, by how much
     "ball_screw_pole_placement/mc_ppc_track_500": ("plant", "m_2", 0.379e-3),
     "cascade_nppi/np_pi_0_7hz": ("controller", "k_p", 0.006607),
-    "gantry/mimo_line_200": ("plant", "m_x", 0.6977),
-    "leadscrew_nctf/step": ("axis", "M_t", 1.0),
+    "gantry/mimo_line_200": ("y_plant", "m", 2.722),
+    "leadscrew_nctf/step": ("x_axis", "M", 17.5),
 }
 
 
