@@ -10,6 +10,7 @@ from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest a zip can hold
+EXTRA = "extra/org.feeddrive/model.xml"  # what our own master reads
 READABLE = 0o100644 << 16
 UNIX = 3
 

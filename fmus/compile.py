@@ -95,6 +95,18 @@ PLATFORMS: Mapping[str, Platform] = MappingProxyType(
 )
 
 
+def platforms_named(name: str) -> tuple[str, ...]:
+    """Return our names of a platform written as ours or as FMI does.
+
+    ``win64`` and ``x86_64-windows`` are ``windows-x86_64``, ``darwin64`` both for
+    macOS; a name that is neither is returned as it is.
+    """
+    if name in PLATFORMS:
+        return (name,)
+    found = (p for p in PLATFORMS.values() if name in (p.fmi2_folder, p.fmi3_folder))
+    return tuple(p.name for p in found) or (name,)
+
+
 def host_platform() -> str:
     """Return the name of the platform this program runs on.
 

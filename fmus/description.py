@@ -50,11 +50,9 @@ def describe(subject: Subject, fmi: Fmi, token: str) -> bytes:
         root, "DefaultExperiment", startTime="0.0", stopTime="1.0", stepSize=repr(step)
     )
     if fmi == 2:
-        _annotation(etree.SubElement(root, "VendorAnnotations"), subject, fmi)
         scalars(root, subject)
     else:
         arrays(root, subject)
-        _annotation(etree.SubElement(root, "Annotations"), subject, fmi)
     document: bytes = etree.tostring(
         root, xml_declaration=True, encoding="UTF-8", pretty_print=True
     )
@@ -93,6 +91,9 @@ def _interfaces(root: etree._Element, subject: Subject, fmi: Fmi) -> None:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
+    if subject.native:
+        known = "providesDirectionalDerivative" + ("" if fmi == 2 else "s")
+        common[known] = "true"
     if fmi == 2:
         common["canNotUseMemoryManagementFunctions"] = "true"
     interfaces = []
@@ -100,7 +101,7 @@ def _interfaces(root: etree._Element, subject: Subject, fmi: Fmi) -> None:
         unneeded = {"completedIntegratorStepNotNeeded": "true"} if fmi == 2 else {}
         interfaces.append(etree.SubElement(root, "ModelExchange", common | unneeded))
     variable_step = {"canHandleVariableCommunicationStepSize": "true"}
-    if fmi == 3 and isinstance(subject.model, Sampled):
+    if fmi == 3 and subject.clocked:
         variable_step["hasEventMode"] = "true"
     interfaces.append(etree.SubElement(root, "CoSimulation", common | variable_step))
     if fmi == 3 or not subject.native:
@@ -125,17 +126,15 @@ def _units(root: etree._Element, layout: Layout) -> None:
         etree.SubElement(unit, "BaseUnit", attributes)
 
 
-def _annotation(parent: etree._Element, subject: Subject, fmi: Fmi) -> None:
-    """Tell our own master what the standard has no attribute for."""
+def extra(subject: Subject) -> bytes:
+    """Return what our own master reads and the standard has no attribute for."""
     model = subject.model
     facts = {"module": subject.module, "kind": "continuous"}
     if isinstance(model, Sampled):
         facts |= {"kind": "sampled", "period": exact(model.period)}
-    if fmi == 2:
-        place = etree.SubElement(parent, "Tool", name=TOOL)
-    else:
-        place = etree.SubElement(parent, "Annotation", type=TOOL)
-    etree.SubElement(place, "Model", facts)
+    root = etree.Element("Model", facts)
+    document: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return document
 
 
 def exact(period: Fraction) -> str:

@@ -21,6 +21,7 @@ NATIVE = Path(__file__).with_name("native")
 MODEL_DATA = "model_data.c"
 ALL = "all.c"
 SHORTEST = 16  # steps of h_max / 16 fit into a delay line (simulation.c)
+WORK = ("arg", "res", "iw", "w")  # vectors that the equations work in
 NAME = 32  # words for the name of an instance in a static pool
 
 _BLOCKS = {
@@ -31,14 +32,14 @@ _BLOCKS = {
     "derivative": "DERIVATIVE",
     "period": "PERIOD",
 }
-_QUIET = """\
+QUIET = """\
 /* Local, so that models linked into one program do not meet. */
 #define CASADI_SYMBOL_EXPORT static
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 """
 # in the order of model.h; what a model does not have is 0
-EQUATIONS = ("prepare", "step", "derivative", "output", "advance")
+EQUATIONS = ("prepare", "step", "derivative", "output", "advance", "tangent")
 POOL = """\
 #ifdef FEEDDRIVE_INSTANCES
 #include "component.h"
@@ -75,15 +76,18 @@ def native_sources(
     Raises:
         ValueError: a delay names no input or parameter, or their sizes differ.
     """
+    from fmus.tangent import tangent
     from fmus.trace import c_code
 
+    functions = (*traced.functions.values(), tangent(traced))
+    work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
     parts = [
-        _QUIET,
-        c_code(model, traced),
+        QUIET,
+        c_code(model, functions),
         '#include "model.h"\n',
         *_tables(model, layout),
-        _model(model, traced, layout, identifier, token, clock),
-        _pool(model, traced, layout),
+        _model(model, traced, layout, identifier, token, clock, work),
+        _pool(model, traced, layout, work),
     ]
     return {MODEL_DATA: "\n".join(parts)}
 
@@ -104,8 +108,8 @@ def _tables(model: Model, layout: Layout) -> list[str]:
         _array(
             "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
         ),
-        _array("double", "start", map(_number, [*start, 0.0])),
-        _array("double", "nominal", map(_number, nominal or [1.0])),
+        _array("double", "start", map(number, [*start, 0.0])),
+        _array("double", "nominal", map(number, nominal or [1.0])),
         _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 
@@ -150,8 +154,8 @@ def _model(
     identifier: str,
     token: str,
     clock: bool,
+    work: Mapping[str, int],
 ) -> str:
-    functions = traced.functions.values()
     offset, count = layout.offset, layout.count
     continuous = isinstance(model, Continuous)
     period = (
@@ -176,32 +180,29 @@ def _model(
         "n_d": traced.derived_size,
         "continuous": int(continuous),
         "clock": int(clock and not continuous),
-        "h_max": _number(model.h_max if isinstance(model, Continuous) else 0.0),
+        "h_max": number(model.h_max if isinstance(model, Continuous) else 0.0),
         "period_num": period[0],
         "period_den": period[1],
         "delays": "delays",
         "n_delays": len(_delays(model, layout)),
         **{name: _equation(name, traced) for name in EQUATIONS},
-        "sz_arg": max(f.sz_arg() for f in functions),
-        "sz_res": max(f.sz_res() for f in functions),
-        "sz_iw": max(f.sz_iw() for f in functions),
-        "sz_w": max(f.sz_w() for f in functions),
+        **work,
     }
     lines = [f"    {value}, /* {name} */" for name, value in fields.items()]
     return "\n".join(["const Model feeddrive_model = {", *lines, "};\n"])
 
 
 def _equation(name: str, traced: "Traced") -> str:
-    return name if name in traced.functions else "0"
+    return name if name in (*traced.functions, "tangent") else "0"
 
 
-def _pool(model: Model, traced: "Traced", layout: Layout) -> str:
+def _pool(
+    model: Model, traced: "Traced", layout: Layout, work: Mapping[str, int]
+) -> str:
     """Return the static memory of instances, for importers without a heap."""
-    functions = traced.functions.values()
+    n_x, n_u, n_y = (layout.count[block] for block in ("state", "input", "output"))
     words = layout.size + 1 + traced.derived_size + NAME
-    words += layout.count["input"] + 5 * layout.count["state"]
-    for size in ("sz_arg", "sz_res", "sz_iw", "sz_w"):
-        words += max(getattr(function, size)() for function in functions)
+    words += 7 * n_x + 2 * n_u + n_y + sum(work.values())
     delays = _delays(model, layout)
     changes = sum(capacity for _, _, capacity in delays)
     return POOL.format(words=words, delays=len(delays), changes=changes)
@@ -217,7 +218,7 @@ def _text(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     return repr(float(value))
 
 

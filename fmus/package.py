@@ -6,13 +6,13 @@ from; FMI 2 and FMI 3 share it, as they share the binary.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from hashlib import sha256
 from pathlib import Path
 from uuid import UUID
 
 from lxml import etree
 
+from fmus.archive import EXTRA
 from fmus.audit import refuse_hidden_files, watched
 from fmus.checks import check_model, check_traced
 from fmus.closure import data_files, is_file, module_name
@@ -22,13 +22,13 @@ from fmus.compile import (
     compile_library,
     universal_binary,
 )
-from fmus.description import describe
+from fmus.description import describe, extra
 from fmus.documentation import index_html, license_text
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
-from fmus.model import Continuous, Model
 from fmus.native_source import ALL, adapter_sources, native_sources
 from fmus.own import OWN_PACKAGES
+from fmus.preset import Preset, preset
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,
@@ -40,20 +40,21 @@ from fmus.trace import trace
 from fmus.units import UnitError
 
 OWN_COPYRIGHT = "the feeddrive authors"
+AS_IT_IS = Preset()
 
 
-def subject_of(module: str, period: Fraction | None) -> Subject:
+def subject_of(module: str, wanted: Preset = AS_IT_IS, clock: bool = True) -> Subject:
     """Load and trace a module's model; collect what its FMU will tell of it.
 
     Raises:
-        BuildError: no such module or model, the period does not fit it, or it
+        BuildError: no such module or model, the preset does not fit it, or it
             cannot be traced.
     """
     name, files = module_name(module), sources(module)
     data = data_files(files)
     refuse_hidden_files(module, files)
     model, loaded = load_model(module), load_module(module)
-    model = _with_period(model, period)
+    model = preset(model, wanted)
     check_model(model)
     try:
         with watched(files, "traced"):
@@ -71,13 +72,14 @@ def subject_of(module: str, period: Fraction | None) -> Subject:
         traced,
         places,
         name,
-        loaded.__doc__ or "",
+        (loaded.__doc__ or "") + wanted.origin,
         data={place: file.read_bytes() for place, file in data.items()},
         author=getattr(loaded, "__author__", OWN_COPYRIGHT if ours else None),
         copyright=getattr(
             loaded, "__copyright__", f"© {OWN_COPYRIGHT}" if ours else None
         ),
         license=getattr(loaded, "__license__", "MIT" if ours else None),
+        clock=clock,
     )
 
 
@@ -92,11 +94,11 @@ def native_contents(
     model, traced, places = subject.model, subject.traced, subject.layout
     adapters = adapter_sources()
     parts = (model, traced, places, model.name)
-    untold = native_sources(*parts, "") | adapters
+    untold = native_sources(*parts, "", subject.clock) | adapters
     subject = replace(subject, sources=(ALL,))
     described = [_described(subject, version, "") for version in (2, 3)]
     token = _token(described, {n: text.encode() for n, text in untold.items()})
-    generated = native_sources(*parts, token)
+    generated = native_sources(*parts, token, subject.clock)
     contents = _common(subject, fmi, token)
     for name, text in (generated | adapters).items():
         contents[f"sources/{name}"] = text.encode()
@@ -126,22 +128,6 @@ def python_contents(
     return contents
 
 
-def _with_period(model: Model, period: Fraction | None) -> Model:
-    if period is None:
-        return model
-    if isinstance(model, Continuous):
-        raise BuildError(
-            f"{model.name} is continuous and has no period: it takes any step; "
-            f"its longest substep is h_max = {model.h_max} s"
-        )
-    if model.period_fixed and period != model.period:
-        raise BuildError(
-            f"{model.name} is sampled every {model.period} s alone, which its numbers "
-            f"are designed for: a period of {period} s takes another design"
-        )
-    return replace(model, period=period)
-
-
 def _described(subject: Subject, fmi: Fmi, token: str) -> bytes:
     try:
         return describe(subject, fmi, token)
@@ -162,6 +148,7 @@ def _common(subject: Subject, fmi: Fmi, token: str) -> dict[str, bytes]:
     license_file = "license.txt" if fmi == 2 else "licenses/license.txt"
     return {
         "modelDescription.xml": _described(subject, fmi, token),
+        EXTRA: extra(subject),
         "documentation/index.html": index_html(subject),
         f"documentation/{license_file}": license_text(),
     }

@@ -22,7 +22,7 @@ class Subject:
     ``text`` is the docstring of the module; ``sources`` are the C files to be
     compiled, none for an FMU that runs Python; ``data`` the content of the model's
     data files by path.  ``author``, ``copyright`` and
-    ``license`` may be None.
+    ``license`` may be None.  Without ``clock`` a sampled model has none in FMI 3.
     """
 
     model: Model
@@ -35,6 +35,12 @@ class Subject:
     author: str | None = None
     copyright: str | None = None
     license: str | None = None
+    clock: bool = True
+
+    @property
+    def clocked(self) -> bool:
+        """Whether an importer may tick the model by a clock, in FMI 3."""
+        return self.native and self.clock and isinstance(self.model, Sampled)
 
     @property
     def native(self) -> bool:

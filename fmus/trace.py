@@ -13,7 +13,7 @@ Constant parameters are baked in as numbers; their places in p are not read.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +26,14 @@ from fmus.returned import called, pair_of, record_of
 
 # of fmus/native/elementary.h, instead of the C library's
 OWN = "exp|expm1|log|sin|cos|tan|sinh|cosh|tanh|pow|fmin|fmax"
+# what importers of CasADi's own kind would ask the C code
+UNNEEDED = (
+    r"(?ms)^CASADI_SYMBOL_EXPORT [^\n]*\{(?: return [^\n]*)?\}\n+",
+    r"(?ms)^CASADI_SYMBOL_EXPORT [^\n]*?(?:_version|_checkout|_release|_incref|_decref"
+    r"|_n_in|_n_out|_default_in|_name_in|_name_out|_sparsity_in|_sparsity_out|_work"
+    r"|_work_bytes)\(.*?^\}\n+",
+    r"(?m)^(?:static const casadi_int casadi_s|#define casadi_s)\d+[^\n]*\n+",
+)
 
 
 @dataclass(frozen=True)
@@ -190,16 +198,18 @@ def dependencies(function: ca.Function, result: str, argument: str) -> ca.Sparsi
     return function.jac_sparsity(names_out.index(result), names_in.index(argument))
 
 
-def c_code(model: Model, traced: Traced) -> str:
-    """Return C99 source of the model's equations, static data free.
+def c_code(model: Model, functions: Iterable[ca.Function]) -> str:
+    """Return C99 source of some of the model's functions, static data free.
 
     It includes ``elementary.h`` and calls its functions, which give the same
     bits on every machine.
     """
     generator = ca.CodeGenerator(f"{model.name}.c", {"with_header": False})
-    for function in traced.functions.values():
+    for function in functions:
         generator.add(function)
     code: str = generator.dump()
+    for unneeded in UNNEEDED:
+        code = re.sub(unneeded, "", code)
     theirs = rf"casadi_(?:fabs|{OWN})"  # for compilers before C99
     code = re.sub(rf"#define {theirs} .*\n", "", code)
     code = re.sub(rf"casadi_real {theirs}\(.*?\n}}\n\n", "", code, flags=re.DOTALL)

@@ -78,7 +78,7 @@ def arrays(root: etree._Element, subject: Subject) -> None:
     time = {"name": "time", "valueReference": str(layout.size), "unit": "s"}
     time |= {"causality": "independent", "variability": "continuous"}
     etree.SubElement(parent, "Float64", time, description="simulation time")
-    if isinstance(subject.model, Sampled):
+    if subject.clocked and isinstance(subject.model, Sampled):
         _clock(parent, subject.model, layout.size + 1)
 
     outputs, derivatives = layout.block("output"), layout.block("derivative")

@@ -56,6 +56,7 @@ class Run(Result):
             "diverged": self.diverged,
             "ended": self.ended and asdict(self.ended),
             "warnings": list(self.warnings),
+            "undriven": [asdict(one) for one in self.composition.undriven],
             "not_taken_over": [asdict(o) for o in self.composition.not_taken_over],
             "executor": timing and timing.executor,
             "timing": timing

@@ -96,6 +96,11 @@ class Result(Mapping[str, Signal]):
         self.ended = ended
         self._columns = _columns(self.folder, period)
 
+    @property
+    def periods(self) -> list[Fraction]:
+        """Return the row periods there are (s), the shortest first."""
+        return sorted({_period(file) for file in _files(self.folder / "result")})
+
     def at(self, period: Fraction) -> "Result":
         """Return what was recorded with that row period (s) alone."""
         return Result(self.folder, self.timing, self.ended, period=period)

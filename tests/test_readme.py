@@ -1,5 +1,6 @@
 """What the README and the docs say to type works as it stands there."""
 
+import json
 import re
 import shlex
 import subprocess
@@ -8,7 +9,6 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from systems import MODELS
 
 from fmus.build import build
 from orchestrator.scenario.reading import load_scenario
@@ -26,15 +26,38 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("line", [c for c in COMMANDS if c.startswith("feeddrive")])
-def test_a_command_of_the_readme_runs(line: str, tmp_path: Path) -> None:
-    (tmp_path / "map.toml").write_text(blocks(README, "toml")[0])
-    build(str(MODELS / "disguised.py"), folder=tmp_path).rename(tmp_path / "their.fmu")
+SWAP = [c for c in COMMANDS if "their" in c]
+ALONE = [c for c in COMMANDS if c.startswith("feeddrive") and c not in SWAP]
+
+
+def typed(line: str, folder: Path) -> str:
+    """Run a command in a folder and return what it printed."""
     command = [sys.executable, "-m", "orchestrator", *shlex.split(line)[1:]]
     done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, check=False
+        command, cwd=folder, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("line", ALONE)
+def test_a_command_of_the_readme_runs(line: str, tmp_path: Path) -> None:
+    typed(line, tmp_path)
+
+
+def test_the_swap_of_the_readme_runs_as_printed(tmp_path: Path) -> None:
+    """A foreign FMU in the plant's place by the map that is proposed and measured."""
+    build_it, propose, swap = SWAP
+    typed(build_it, tmp_path)
+    assert "proposed and not applied" in typed(propose, tmp_path)
+    written = tomllib.loads((tmp_path / "map.toml").read_text())
+    printed = tomllib.loads(blocks(README, "toml")[0])
+    assert {name: written[name] for name in printed} == printed
+    told = json.loads(typed(f"{swap} --json", tmp_path))
+    assert (told["not_taken_over"], told["warnings"]) == ([], [])
+    for name in ("tracking.peak", "tracking.rms", "u.peak"):
+        ours, theirs = (told[run][name]["value"] for run in ("original", "metrics"))
+        assert theirs == pytest.approx(ours, rel=1e-6), name
 
 
 def test_the_make_targets_of_the_readme_exist() -> None:

@@ -3,6 +3,7 @@
 
 #include "component.c"
 #include "delay.c"
+#include "derivatives.c"
 #include "fmi2.c"
 #include "fmi2_interfaces.c"
 #include "fmi3.c"

@@ -111,6 +111,15 @@ int component_get_nominals(Component *c, const char *function, double *nominal,
                            size_t n);
 int component_set_time(Component *c, const char *function, double time);
 
+/* Directional derivatives: begin, seed the knowns (inputs and states), evaluate,
+   ask for unknowns (outputs and derivatives).  They return 0 with a message. */
+int component_direction_begin(Component *c, const char *function);
+int component_direction_seed(Component *c, const char *function, unsigned reference,
+                             double seed);
+void component_direction(Component *c);
+int component_direction_of(Component *c, const char *function, unsigned reference,
+                           double *sensitivity);
+
 /* FMU states: one block of memory, the same in memory and on disk. */
 int snapshot_take(Component *c, const char *function, void **snapshot);
 int snapshot_restore(Component *c, const char *function, const void *snapshot);

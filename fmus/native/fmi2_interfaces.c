@@ -18,7 +18,22 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c,
                                         const fmi2ValueReference vKnown_ref[],
                                         size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
-    return fmi2_absent(c, "fmi2GetDirectionalDerivative");
+    const char *function = "fmi2GetDirectionalDerivative";
+    size_t i;
+    if (!component_direction_begin(OF(c), function) ||
+        !component_given(OF(c), function, nUnknown, vUnknown_ref) ||
+        !component_given(OF(c), function, nKnown, vKnown_ref) ||
+        !component_given(OF(c), function, nKnown, dvKnown) ||
+        !component_given(OF(c), function, nUnknown, dvUnknown))
+        return fmi2Error;
+    for (i = 0; i < nKnown; i++)
+        if (!component_direction_seed(OF(c), function, vKnown_ref[i], dvKnown[i]))
+            return fmi2Error;
+    component_direction(OF(c));
+    for (i = 0; i < nUnknown; i++)
+        if (!component_direction_of(OF(c), function, vUnknown_ref[i], dvUnknown + i))
+            return fmi2Error;
+    return fmi2OK;
 }
 
 /* Co-simulation */

@@ -130,3 +130,41 @@ fmi3Status fmi3SetBoolean(fmi3Instance instance,
     }
     return fmi3OK;
 }
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
+                                        const fmi3ValueReference unknowns[],
+                                        size_t nUnknowns,
+                                        const fmi3ValueReference knowns[],
+                                        size_t nKnowns, const fmi3Float64 seed[],
+                                        size_t nSeed, fmi3Float64 sensitivity[],
+                                        size_t nSensitivity) {
+    const char *function = "fmi3GetDirectionalDerivative";
+    Component *c = OF(instance);
+    const Variable *v;
+    size_t i;
+    unsigned k;
+    if (!component_direction_begin(c, function) ||
+        !component_given(c, function, nUnknowns, unknowns) ||
+        !component_given(c, function, nKnowns, knowns) ||
+        !component_given(c, function, nSeed, seed) ||
+        !component_given(c, function, nSensitivity, sensitivity))
+        return fmi3Error;
+    for (i = 0; i < nKnowns; i++) {
+        if (!(v = whole(c, function, knowns[i], 0, nSeed)))
+            return fmi3Error;
+        for (k = 0; k < v->size; k++)
+            if (!component_direction_seed(c, function, knowns[i] + k, *seed++))
+                return fmi3Error;
+        nSeed -= v->size;
+    }
+    component_direction(c);
+    for (i = 0; i < nUnknowns; i++) {
+        if (!(v = whole(c, function, unknowns[i], 0, nSensitivity)))
+            return fmi3Error;
+        for (k = 0; k < v->size; k++)
+            if (!component_direction_of(c, function, unknowns[i] + k, sensitivity++))
+                return fmi3Error;
+        nSensitivity -= v->size;
+    }
+    return all_used(c, function, nSeed + nSensitivity);
+}

@@ -11,7 +11,8 @@
        step(x, u, p, d, T_s) -> (x_next, y)      sampled
        derivative(x, u, p, d) -> der_x           continuous
        output(x, u, p, d) -> y                   continuous
-       advance(x, u, p, d, h) -> x_next          continuous, or NULL */
+       advance(x, u, p, d, h) -> x_next          continuous, or NULL
+       tangent(x, u, p, d, T_s, dx, du) -> (d_der_x, d_y) */
 #ifndef MODEL_H
 #define MODEL_H
 
@@ -51,7 +52,7 @@ typedef struct {
     long long period_num, period_den; /* T_s as a fraction (s); sampled */
     const Delay *delays;
     unsigned n_delays;
-    Equation *prepare, *step, *derivative, *output, *advance;
+    Equation *prepare, *step, *derivative, *output, *advance, *tangent;
     unsigned sz_arg, sz_res, sz_iw, sz_w; /* work vectors of the equations */
 } Model;
 

@@ -20,7 +20,8 @@ static size_t places(unsigned n) {
 }
 
 size_t simulation_size(void) {
-    size_t size = simulation_values() + places(M.n_u + 5 * M.n_x) + places(M.sz_arg) +
+    size_t size = simulation_values() + places(M.n_u + 5 * M.n_x) +
+                  places(2 * M.n_x + M.n_u + M.n_y) + places(M.sz_arg) +
                   places(M.sz_res) + places(M.sz_iw) + places(M.sz_w);
     unsigned i;
     for (i = 0; i < M.n_delays; i++)
@@ -40,6 +41,8 @@ void simulation_place(Simulation *s, void *memory) {
     next += M.n_x;
     s->k = next;
     next += 4 * M.n_x;
+    s->tangent = next;
+    next += 2 * M.n_x + M.n_u + M.n_y;
     s->w = next;
     next += M.sz_w;
     s->arg = (const double **)(void *)next;
@@ -123,6 +126,21 @@ void simulation_refresh(Simulation *s) {
         return;
     derive(s);
     compute_outputs(s, s->values + M.u);
+}
+
+void simulation_tangent(Simulation *s) {
+    double *v = s->values, *result = s->tangent + M.n_x + M.n_u;
+    derive(s);
+    s->arg[0] = v + M.x;
+    s->arg[1] = v + M.u;
+    s->arg[2] = v;
+    s->arg[3] = v + M.size;
+    s->arg[4] = M.continuous ? NULL : v + M.T_s;
+    s->arg[5] = s->tangent;
+    s->arg[6] = s->tangent + M.n_x;
+    s->res[0] = result;
+    s->res[1] = result + M.n_x;
+    M.tangent(s->arg, s->res, s->iw, s->w, 0);
 }
 
 void simulation_begin(Simulation *s) {

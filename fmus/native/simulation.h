@@ -34,6 +34,7 @@ typedef struct {
     int clocked;              /* ticks are asked for in event mode */
     DelayLine *lines;         /* one per model.delays */
     double *u, *x, *k;        /* delayed inputs, trial states, 4 slopes */
+    double *tangent;          /* changes of x and u, then of derivatives and y */
     const double **arg;
     double **res;
     long long *iw;
@@ -67,6 +68,9 @@ void simulation_tick(Simulation *s);
 
 /* Number of substeps or ticks a step of h takes, as a double: may be huge. */
 double simulation_effort(double h);
+
+/* Evaluate the model's tangent at the present values. */
+void simulation_tangent(Simulation *s);
 
 /* Step from t to t + h; returns 0 if a delay line is full. */
 int simulation_step(Simulation *s, double t, double h);

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 Row: TypeAlias = NDArray[np.float64]
 
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+FAR = 1e5  # steps to the stop time of an FMU that wants one
 
 
 class Instance:
@@ -53,8 +53,12 @@ class Instance:
         self.face.number_of_states = len(lab.model.derivatives)
         self.fmu = self.face.fmu
         self.fmu._call = self._watched(self.fmu._call)
-        lab.doing(f"instantiating {name!r}")
-        self.face.instantiate(self._message, logging)
+        self._logging = logging
+        self._instantiate()
+
+    def _instantiate(self) -> None:
+        self.lab.doing(f"instantiating {self.fmu.instanceName!r}")
+        self.face.instantiate(self._message, self._logging)
 
     def _watched(self, call: Callable[..., Any]) -> Callable[..., Any]:
         def watched(function: str, *arguments: Any) -> Any:
@@ -86,15 +90,31 @@ class Instance:
     def enter(self, start: float = 0.0, *experiment: float | None) -> None:
         """Enter initialisation with a stop time and a tolerance, each or None.
 
-        Without both of them the FMU gets a stop time if it wants one.
+        Without both of them an FMU that refuses gets a stop time, as a new instance.
         """
-        stop, tol = experiment or (self.lab.stop, None)
         self.lab.doing("entering initialisation")
         if not self.exists:
             said = "; ".join(text for *_, text in self.messages[-3:])
             raise CannotRun(f"no instance could be made: {said or 'it says no more'}")
         self.time = start
-        self.face.enter(start, stop, tol)
+        stop, tol = experiment or (self.lab.stop, None)
+        try:
+            self.face.enter(start, stop, tol)
+        except FMICallException:
+            if experiment or stop is not None or self.worst >= FATAL:
+                raise
+            self._enter_with_stop(start)
+
+    def _enter_with_stop(self, start: float) -> None:
+        stop = start + FAR * self.lab.h
+        major = self.lab.description.fmi_major
+        free = getattr(self.fmu, f"fmi{major}FreeInstance")
+        free(self.fmu.component)  # fmpy's own freeing unloads the library as well
+        self._instantiate()
+        self.worst = OK
+        self.face.enter(start, stop, None)
+        self.lab.stop = stop
+        self.lab.notes["stop"] = f"it wants a stop time; it got {stop:g} s"
 
     def leave(self) -> None:
         self.lab.doing("leaving initialisation")

@@ -47,6 +47,7 @@ class Laboratory:
     attempt: str = ""
     told: str = ""
     blamed: str = ""
+    stop: float | None = None  # s, for FMUs that cannot be initialised without
     beat: Callable[[], None] = lambda: None
     notes: dict[str, str] = field(default_factory=dict)
 
@@ -135,18 +136,6 @@ class Laboratory:
         with self.instance(name, **options) as instance:
             instance.begin()
             yield instance
-
-    @cached_property
-    def stop(self) -> float | None:
-        """A stop time (s) for FMUs that cannot be initialised without, else None."""
-        far = 1e5 * self.h
-        for stop in (None, far):
-            with self.instance("experiment") as one:
-                if one.exists and one.status(one.enter, 0.0, stop, None) < ERROR:
-                    if stop is not None:
-                        self.notes["stop"] = f"it wants a stop time; it got {stop:g} s"
-                    return stop
-        return None
 
     @cached_property
     def watched(self) -> list[FmuVariable]:

@@ -5,11 +5,15 @@ its text), progress and logs to stderr.  Exit code 0 done, 1 a run or an expecta
 failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 """
 
+from typing import Annotated
+
 import typer
 
 from orchestrator.cli import (
+    build,
     check,
     design,
+    export,
     fmus,
     run,
     runs,
@@ -20,22 +24,44 @@ from orchestrator.cli import (
 
 app = typer.Typer(
     name="feeddrive",
-    help="Co-simulate feed drives and controllers from FMUs at exact mixed rates.",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"feeddrive {version('feeddrive-cosim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="print the version"
+        ),
+    ] = False,
+) -> None:
+    """Co-simulate feed drives and controllers from FMUs at exact mixed rates."""
+
+
 for verb in (
     study.demo,
     study.scenarios,
     fmus.models,
-    fmus.build,
+    build.build,
     fmus.info,
     check.check,
     run.schedule,
     run.run,
     runs.runs,
     sweep.sweep,
+    export.export,
     study.reproduce,
     second_opinion.second_opinion,
     design.design,
@@ -45,4 +71,4 @@ for verb in (
 
 def main() -> None:
     """Run the command line."""
-    app()
+    app(prog_name="feeddrive")

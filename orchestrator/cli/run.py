@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from orchestrator.cli.completion import scenario_names
 from orchestrator.cli.output import (
     command,
     print_json,
@@ -17,7 +18,13 @@ from orchestrator.cli.output import (
     waiting,
 )
 from orchestrator.cli.running import load, simulate
-from orchestrator.cli.swap import ORIGINAL, compare, load_original, print_swap
+from orchestrator.cli.swap import (
+    ORIGINAL,
+    compare,
+    load_original,
+    print_swap,
+    propose_map,
+)
 from orchestrator.evaluation.compare import number
 from orchestrator.quantity import NoValue, rate, time_text
 
@@ -36,7 +43,12 @@ class Executor(StrEnum):
 
 
 ScenarioName = Annotated[
-    str, typer.Argument(metavar="SCENARIO", help="<study>/<scenario>, or a .toml file")
+    str,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="<study>/<scenario>, or a .toml file",
+        autocompletion=scenario_names,
+    ),
 ]
 Sets = Annotated[
     list[str],
@@ -44,7 +56,8 @@ Sets = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="component.parameter, component.step, rates.name, stop, "
-        "design.step.argument ... (repeatable)",
+        "design.step.argument, metrics.name.key, record.signal, connections.input ... "
+        "(repeatable)",
     ),
 ]
 Swaps = Annotated[
@@ -77,6 +90,12 @@ def run(
     sets: Sets = [],  # noqa: B006 - Typer copies it
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
+    map_out: Annotated[
+        Path | None,
+        typer.Option(
+            "--map-out", help="write the map that is proposed for a swap, run nothing"
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -99,25 +118,45 @@ def run(
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
     set_up_logs(verbose)
-    loaded = load(scenario, sets, swap, map, fmi)
+    if map_out is not None:
+        text = propose_map(scenario, sets, swap, fmi, map_out)
+        if json:
+            print_json({"map": text, "file": str(map_out)})
+            return
+        typer.echo(
+            f"{text}\nproposed and not applied: check every line, above all gains and "
+            f"signs, and run again with --map {map_out}"
+        )
+        return
     original = load_original(scenario, sets, swap, map, fmi) if swap else None
+    loaded = load(scenario, sets, swap, map, fmi)
     options = {"executor": executor and executor.value, "profile": profile}
-    beside: dict[str, Run] = {}
+    beside: dict[str, Any] = {}
 
     def also(done: "Run") -> dict[str, Any]:
         """Run what a swap is compared with before the run is complete."""
         if original:
-            beside[ORIGINAL] = compare(original, done, swap, **options)
-        return {name: other.summary()["metrics"] for name, other in beside.items()}
+            first, answers = compare(original, done, swap, **options)
+            beside.update(first=first, answers=answers)
+        return told(done)
+
+    def told(done: "Run") -> dict[str, Any]:
+        """Return what JSON says of a swap besides."""
+        if not beside:
+            return {}
+        return {
+            ORIGINAL: beside["first"].summary()["metrics"],
+            "answers": [asdict(one) for one in beside["answers"]],
+            "warnings": list(done.warnings),
+        }
 
     done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
     if json:
-        others = {name: other.summary()["metrics"] for name, other in beside.items()}
-        print_json({**done.summary(), **others})
+        print_json({**done.summary(), **told(done)})
     else:
         print_run(done)
-        for first in beside.values():
-            print_swap(first, done)
+        if beside:
+            print_swap(beside["first"], done, beside["answers"])
     changed = bool(sets or swap)  # then figures may well differ, but not be gone
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
@@ -155,6 +194,8 @@ def schedule(
 
 def print_plan(plan: "Plan") -> None:
     """Print the turns of the components and what happens to every signal."""
+    from orchestrator.master.undriven import in_words
+
     typer.echo(
         f"{plan.name}: {plan.stop} s in instants of {plan.tick} s, pattern repeats "
         f"every {plan.hyperperiod} s"
@@ -187,6 +228,10 @@ def print_plan(plan: "Plan") -> None:
     )
     for note in plan.notes:
         typer.echo(f"note: {note}")
+    for warning in plan.warnings:
+        typer.echo(f"warning: {warning}")
+    if held := in_words(plan.undriven):
+        typer.echo(held)
 
 
 def _us(seconds: Fraction) -> str:
@@ -204,6 +249,8 @@ def _exact(value: Any) -> Any:
 
 def print_run(done: "Run") -> None:
     """Print the figures of a run, its checks, its speed and its folder."""
+    from orchestrator.master.undriven import in_words
+
     checks = {check.figure: check for check in done.checks}
     rows = []
     for name, figure in done.metrics.items():
@@ -228,6 +275,8 @@ def print_run(done: "Run") -> None:
         )
     if done.timing is not None and done.timing.profile is not None:
         print_profile(done.timing.profile)
+    if held := in_words(done.composition.undriven):
+        typer.echo(held)
     typer.echo(f"written to {done.folder}: report.html, metrics.json, result/")
 
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from orchestrator.cli.completion import study_names
 from orchestrator.cli.output import (
     command,
     print_json,
@@ -97,7 +98,12 @@ def scenarios(
 
 @command
 def reproduce(
-    study: Annotated[str, typer.Argument(metavar="STUDY", help="e.g. " + STUDY)],
+    study: Annotated[
+        str,
+        typer.Argument(
+            metavar="STUDY", help="e.g. " + STUDY, autocompletion=study_names
+        ),
+    ],
     only: Annotated[
         str, typer.Option(metavar="PATTERN", help="only figures like 'mc_ppc.*'")
     ] = "*",

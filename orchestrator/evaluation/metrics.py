@@ -35,6 +35,7 @@ from orchestrator.evaluation.schema import (
     StepMetric,
     SustainedMetric,
 )
+from orchestrator.evaluation.spectrum import spectrum_line, strongest_line
 from orchestrator.quantity import (
     NoValue,
     Quantity,
@@ -202,9 +203,12 @@ def _figures(
     if isinstance(spec, OnsetMetric):
         ramp = found["ramp"]
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
+    unit = unit.of_difference()
+    if isinstance(spec, SpectrumMetric) and spec.band_hz is not None:
+        return strongest_line(time, y, spec.band_hz, unit)
+    assert spec.frequency_hz is not None  # the schema lets none of them be without
     frequency = factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
-    unit = unit.of_difference()
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
     amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
@@ -276,24 +280,6 @@ def sine_fit(time: Array, y: Array, hertz: float) -> complex:
 
 def _phase(c: complex) -> Quantity:
     return Quantity(float(np.angle(c, deg=True)), "deg")
-
-
-def spectrum_line(
-    time: Array, y: Array, hertz: float, unit: str
-) -> dict[str, Quantity]:
-    """Return amplitude and frequency of the spectral line nearest ``hertz``.
-
-    One-sided, Hann window, amplitude of the equivalent sine; rows equally spaced.
-    """
-    from scipy.signal import periodogram
-
-    rate = (len(time) - 1) / (time[-1] - time[0])
-    lines, power = periodogram(y, rate, window="hann", scaling="spectrum")
-    nearest = int(np.argmin(np.abs(lines - hertz)))
-    return {
-        "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
-        "frequency": Quantity(float(lines[nearest]), "Hz"),
-    }
 
 
 def _rows(spec: MetricSpec, signal: Signal) -> slice:

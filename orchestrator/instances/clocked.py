@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.instances.ending import Ended
-from orchestrator.instances.group import DISCARD, STATUS, WARNING
+from orchestrator.instances.group import DISCARD, OK, good, told
 from orchestrator.instances.instance import LocalInstance
 
 UPDATES = 100  # of one event
@@ -75,24 +75,26 @@ class ClockedInstance(LocalInstance):
         next_time = ctypes.byref(ctypes.c_double())
         pointers = [*map(ctypes.byref, flags), next_time]
         for _ in range(UPDATES):
-            if status > WARNING:
+            if not good(status):
                 return status
             status = int(self.update(self.slave, *pointers))
             if ended.value or not again.value:
                 break
-        return status if status > WARNING or not ended.value else DISCARD
+        if not good(status):
+            return status
+        return DISCARD if ended.value else OK
 
     def _move_on(self) -> None:
         if self._pending is None:
             return
         (t, h), self._pending = self._pending, None
         status = self.enter_step(self.slave)
-        if status <= WARNING:
+        if good(status):
             super().step(t, h)
             if self.outcome.last:
                 return
             status = self.enter_event(self.slave)
-        if status > WARNING:
+        if not good(status):
             raise self.failed_step(h, status)
 
     def failed_tick(self, status: int) -> SimulationError:
@@ -100,4 +102,4 @@ class ClockedInstance(LocalInstance):
         if status == DISCARD:  # as _tick and kernel.c say it
             reason = "an event asked to end the simulation"
             return Ended(self.name, self.time, reason)
-        return self.fail("the tick of its clock", f"returned {STATUS[status]}")
+        return self.fail("the tick of its clock", f"returned {told(status)}")

@@ -1,81 +1,38 @@
-"""One FMU instance in this process, FMI 2.0 or 3.0, behind one small interface.
-
-Call order: ``instantiate`` (again where the FMU is to be made anew), ``set_up`` the
-experiment, ``write`` start values, ``enter_initialization``, ``bind``,
-``write``/``read`` as often as needed, ``exit_initialization``, ``quiet`` unless
-messages are wanted, then ``push`` (all inputs), ``step``, ``pull`` (all outputs) in
-the master's order, at the end ``close``.  ``push`` and ``pull`` move one contiguous
-part of the master's value vector in one call per FMI type.
-
-Every call returns normally or raises ``SimulationError`` with the instance,
-the function, and what the FMU logged.
-"""
+"""An FMU instance in this process, FMI 2.0 or 3.0, called through ctypes."""
 
 import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.trust import is_trusted
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.structure import is_structural
+from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import WHOLE, Ended, discarded
-from orchestrator.instances.group import DISCARD, FATAL, STATUS, WARNING, Group, groups
+from orchestrator.instances.group import (
+    DISCARD,
+    ERROR,
+    FATAL,
+    Group,
+    good,
+    groups,
+    strict,
+    told,
+)
 from orchestrator.instances.logs import (
     SPEAKERS,
     LogMessage,
     callbacks,
     log_errors_only,
 )
+from orchestrator.instances.texts import Texts
 from orchestrator.native import library as c
-
-
-class Instance(Protocol):
-    """What the master needs of an FMU instance, wherever it runs.
-
-    ``outcome.last`` is set by a whole step after which the FMU has ended the run;
-    ``ended`` says why.  After ``bind``, the kernel calls ``do_step`` on ``slave`` in
-    the way of FMI ``step_major``, and the functions of the groups in that of their own
-    ``major``.
-    """
-
-    name: str
-    description: FmuDescription
-    clock: ctypes.c_double
-    slave: Any
-    do_step: Any
-    inputs: list[Group]
-    outputs: list[Group]
-    outcome: c.Outcome
-
-    @property
-    def step_major(self) -> int: ...
-    def ended(self) -> Ended: ...
-    def failed_step(self, h: float, status: int) -> SimulationError: ...
-    def instantiate(self) -> None: ...
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
-    def set_up(
-        self, start: float, stop: float | None, tolerance: float | None
-    ) -> None: ...
-    def enter_initialization(self) -> None: ...
-    def exit_initialization(self) -> None: ...
-    def quiet(self) -> None: ...
-    def bind(
-        self,
-        vector: NDArray[np.float64],
-        inputs: Sequence[FmuVariable],
-        first_input: int,
-        outputs: Sequence[FmuVariable],
-        first_output: int,
-    ) -> None: ...
-    def push(self) -> None: ...
-    def step(self, t: float, h: float) -> None: ...
-    def pull(self) -> None: ...
-    def close(self) -> None: ...
 
 
 class LocalInstance:
@@ -105,7 +62,7 @@ class LocalInstance:
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
-                self._fmu = self._load(folder)
+                self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise
@@ -159,7 +116,7 @@ class LocalInstance:
         """Keep what the FMU logs, and pass it on."""
         if self._quiet and status == 0:
             return  # from an FMU that logs all the same
-        label = STATUS[status] if 0 <= status < len(STATUS) else str(status)
+        label = told(status)
         name, said = ((b or b"").decode("utf-8", "replace") for b in (category, text))
         message = LogMessage(label, name, said, self.time)
         self._messages = [*self._messages[-9:], message]
@@ -178,20 +135,30 @@ class LocalInstance:
             f"t = {self.time:.9g} s {reason}. The FMU {told}"
         )
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
-        position = 0
-        for variable in variables:
-            part = values[position : position + variable.size]
-            position += variable.size
-            with self._named(f"set {variable.name}"):
-                Group(self, [variable]).set(part)
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
+        """Set variables; the structural parameters first, in configuration mode."""
+        given = iter(values)
+        parts = [(v, [next(given) for _ in range(v.size)]) for v in variables]
+        structural = [part for part in parts if is_structural(part[0])]
+        if structural:
+            with self._named("configure"):
+                self._fmu.enterConfigurationMode()
+            self._set(structural)
+            with self._named("leave configuration mode"):
+                self._fmu.exitConfigurationMode()
+        self._set([part for part in parts if not is_structural(part[0])])
 
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
-        values: list[float] = []
+    def _set(self, parts: Sequence[tuple[FmuVariable, list[Any]]]) -> None:
+        for variable, values in parts:
+            with self._named(f"set {variable.name}"):
+                (Texts if variable.is_text else Group)(self, [variable]).set(values)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
+        found: list[Held] = []
         for variable in variables:
             with self._named(f"get {variable.name}"):
-                values.extend(Group(self, [variable]).get())
-        return values
+                found += (Texts if variable.is_text else Group)(self, [variable]).get()
+        return found
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
         """Hand over the experiment; FMI 3.0 takes it with its initialisation."""
@@ -220,7 +187,7 @@ class LocalInstance:
 
     def quiet(self) -> None:
         """Let the FMU log errors alone; ours log nothing else anyway."""
-        if self.description.is_ours:
+        if self.description.says_it_is_ours:
             return
         self._quiet = True
         categories = self.description.log_categories
@@ -285,9 +252,9 @@ class LocalInstance:
             self.outcome.ended = self._ended.value
             self.outcome.early = self._early.value
         whole = self.outcome.reached >= t + h * (1 - WHOLE)
-        if status <= WARNING and self.outcome.ended and whole:
+        if good(status) and self.outcome.ended and whole:
             self.outcome.last = 1
-        elif status > WARNING or self.outcome.ended or self.outcome.early:
+        elif not good(status) or self.outcome.ended or self.outcome.early:
             raise self.failed_step(h, status)
 
     def failed_step(self, h: float, status: int) -> SimulationError:
@@ -295,11 +262,11 @@ class LocalInstance:
         self.refused(status)
         if ended := self._ended_by(h, status):
             return ended
-        return self.fail(f"doStep of {h:.9g} s", f"returned {STATUS[status]}")
+        return self.fail(f"doStep of {h:.9g} s", f"returned {told(status)}")
 
     def _ended_by(self, h: float, status: int) -> Ended | None:
         """Return how the FMU ended the run by a step with this status, if it did."""
-        if status <= WARNING:
+        if good(status):
             return self.ended()
         if status != DISCARD:
             return None
@@ -314,7 +281,8 @@ class LocalInstance:
 
     def refused(self, status: int) -> None:
         """Remember the worst status of a call; it decides what ``close`` may call."""
-        self._worst = max(self._worst, status)
+        known = 0 <= status <= FATAL
+        self._worst = max(self._worst, status if known else ERROR)
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
@@ -323,7 +291,9 @@ class LocalInstance:
         with suppress(Exception):
             if self._initialized and self._worst <= DISCARD:
                 self._fmu.terminate()
-        if not self.description.is_ours:  # a thread it left may still run its code
+        if not is_trusted(
+            self.description.path
+        ):  # a thread it left may still run its code
             self._fmu.freeLibrary = lambda: None
         with suppress(Exception):
             if self._worst != FATAL:  # then no call is allowed any more

@@ -32,6 +32,8 @@ from numpy.typing import NDArray
 from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.typed import Held
+from orchestrator.instances.bundle import Bundle
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
 from orchestrator.instances.isolated_child import CHANNEL, serve
@@ -98,12 +100,12 @@ class IsolatedInstance:
             self._loaded = True
         self._ask("instantiate")
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
         self._ask("write", list(variables), values)
 
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
         self._deliver()
-        answer: list[float] = self._ask("read", list(variables))
+        answer: list[Held] = self._ask("read", list(variables))
         return answer
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
@@ -145,9 +147,9 @@ class IsolatedInstance:
             self.do_step = self._library.channel_step
             functions = self._library.channel_get, self._library.channel_set
             if n:
-                self.inputs = [_Bundle(self, vector, first_input, n, *functions)]
+                self.inputs = [Bundle(self, vector, first_input, n, *functions)]
             if m:
-                self.outputs = [_Bundle(self, vector, first_output, m, *functions)]
+                self.outputs = [Bundle(self, vector, first_output, m, *functions)]
 
     def push(self) -> None:
         to, values = self._to
@@ -326,31 +328,3 @@ class IsolatedInstance:
             calls = [*calls[-1:], f"{n} steps, the last with {inputs or 'no inputs'}"]
         said = "; ".join(map(str, self._said)) or "nothing"
         return f"Its last calls: {', '.join(calls) or 'load'}. It logged: {said}."
-
-
-class _Bundle(Group):
-    """All inputs or all outputs of an isolated FMU, as the kernel calls them."""
-
-    def __init__(
-        self,
-        instance: Any,
-        vector: NDArray[np.float64],
-        first: int,
-        size: int,
-        getter: Any,
-        setter: Any,
-    ) -> None:
-        self.major, self.kind, self.element = 2, "Real", ctypes.c_double
-        self.instance, self.vector, self.first, self.size = (
-            instance,
-            vector,
-            first,
-            size,
-        )
-        self.references = (ctypes.c_uint * 1)()
-        self.buffer = (ctypes.c_double * size).from_buffer(vector.data, 8 * first)
-        self.getter, self.setter = getter, setter
-
-    def failure(self, verb: str, status: int) -> SimulationError:
-        failed: SimulationError = self.instance.failed_step(0.0, status)
-        return failed

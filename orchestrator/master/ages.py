@@ -13,6 +13,7 @@ from orchestrator.master.faults import describe
 from orchestrator.master.layout import Edge, Part
 from orchestrator.master.simulate import plan
 from orchestrator.master.timetable import Timetable
+from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.system import System
 
 
@@ -53,6 +54,8 @@ class Plan:
     turns: tuple[Turn, ...]
     ages: tuple[Age, ...]
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    undriven: tuple[Undriven, ...]
 
 
 def describe_schedule(system: System) -> Plan:
@@ -84,6 +87,8 @@ def describe_schedule(system: System) -> Plan:
         turns,
         tuple(_age(timetable, edge) for edge in timetable.wiring.edges),
         timetable.wiring.notes,
+        timetable.wiring.warnings,
+        undriven(system, {name: part.fmu for name, part in parts.items()}),
     )
 
 

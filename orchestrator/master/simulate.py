@@ -1,8 +1,8 @@
 """One run of a system: the order in which everything is opened and closed.
 
 1. read and check all FMUs, wire, order, schedule: nothing has run yet;
-2. unpack and load each FMU (those that are not ours, or need Python or another
-   tool, in a process of their own), initialise together;
+2. unpack and load each FMU (those that were not built here, or need Python or
+   another tool, in a process of their own), initialise together;
 3. execute the timetable, recording: natively where all FMUs run in this process
    and a compiler is there, else in Python, with the same bits;
 4. whatever happens: end the streams, terminate and free the instances, delete
@@ -23,13 +23,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.compile import CompileError
+from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.structure import sized
 from orchestrator.instances.ending import Ended
-from orchestrator.instances.instance import Instance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
@@ -176,7 +178,7 @@ def _engine(
 def plan(system: System) -> Timetable:
     """Check a system completely and return its timetable, without running it."""
     wiring: Wiring = wire(
-        system, {name: read_fmu(c.fmu) for name, c in system.components.items()}
+        system, {n: sized(read_fmu(c.fmu), c) for n, c in system.components.items()}
     )
     timetable = Timetable(wiring)
     _ = timetable.schedule, timetable.order
@@ -200,7 +202,7 @@ def open_instance(
     """
     apart = isolation.process
     if apart is None:
-        apart = fmu.needs_execution_tool or not fmu.is_ours
+        apart = fmu.needs_execution_tool or not is_trusted(fmu.path)
     alone = shared is None or apart or fmu.once_per_process
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:

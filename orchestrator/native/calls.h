@@ -14,6 +14,11 @@ enum {
     COPY_FAILED, ENDED
 };
 enum { WARNING = 1 };
+
+/* A negative status is none of FMI's, and no success. */
+static inline int good(int status) {
+    return 0 <= status && status <= WARNING;
+}
 enum { F64, I64, U64, F32, I8, U8, I16, U16, I32, U32, BOOL32, BOOL8 };
 #define IN_PLACE(type) ((type) <= U64)
 
@@ -96,11 +101,11 @@ static int tick(const Part *p) {
     double next;
     int status = ((int (*)(void *, const uint32_t *, size_t, const _Bool *))
                       c->set_clock)(p->instance, &c->reference, 1, &active);
-    for (int i = 0; i < UPDATES && status <= WARNING; i++) {
+    for (int i = 0; i < UPDATES && good(status); i++) {
         status = ((int (*)(void *, _Bool *, _Bool *, _Bool *, _Bool *, _Bool *,
                            double *))c->update)(p->instance, flags, flags + 1,
                                                 flags + 2, flags + 3, flags + 4, &next);
-        if (status <= WARNING && flags[1])
+        if (good(status) && flags[1])
             return DISCARD;
         if (!flags[0])
             break;
@@ -116,15 +121,15 @@ static ALWAYS_INLINE int do_step(const Part *p, double t, double h, int *status)
     if (p->major == 2) {
         *status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t, h,
                                                                      1);
-        return *status <= WARNING;
+        return good(*status);
     }
     *status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
                         double *))p->do_step)(p->instance, t, h, 1, &event, &ended,
                                               &early, &reached);
-    if (*status <= WARNING && !ended && !early)
+    if (good(*status) && !ended && !early)
         return 1;
     *p->outcome = (Outcome){reached, ended, early, 0};
-    p->outcome->last = *status <= WARNING && ended && reached >= t + h * whole;
+    p->outcome->last = good(*status) && ended && reached >= t + h * whole;
     return p->outcome->last;
 }
 
@@ -134,13 +139,13 @@ static int move_on(Kernel *kernel, Part *p, const Op *op, int64_t k) {
     int (*enter_event)(void *) = (int (*)(void *))p->ticker->enter_event;
     int status = enter_step(p->instance);
     p->pending = 0;
-    if (status <= WARNING && do_step(p, *p->clock, p->h, &status)) {
+    if (good(status) && do_step(p, *p->clock, p->h, &status)) {
         if (p->outcome->last) {
             kernel->ending = 1 + op->target;
             return 1;
         }
         status = enter_event(p->instance);
-        if (status <= WARNING)
+        if (good(status))
             return 1;
     }
     fail(kernel, STEP_FAILED, k, op, 0, status);
@@ -155,7 +160,7 @@ static ALWAYS_INLINE int step(Kernel *kernel, Part *p, const Op *op, int64_t k,
     p->steps++;
     if (p->ticker) {
         status = tick(p);
-        if (status > WARNING)
+        if (!good(status))
             return fail(kernel, TICK_FAILED, k, op, 0, status);
         p->pending = 1;
         p->h = op->h;
@@ -173,7 +178,7 @@ static ALWAYS_INLINE int get_outputs(Kernel *kernel, Part *p, const Op *op,
     for (size_t i = 0; i < p->n_outputs; i++) {
         const Group *g = p->outputs + i;
         int status = call(g, g->get, p->instance);
-        if (status > WARNING)
+        if (!good(status))
             return fail(kernel, GET_FAILED, k, op, i, status);
         if (!IN_PLACE(g->type))
             from_buffer(g);
@@ -193,7 +198,7 @@ static ALWAYS_INLINE int set_inputs(Kernel *kernel, const Part *p, const Op *op,
         if (!IN_PLACE(g->type) && !to_buffer(g))
             return fail(kernel, DOES_NOT_FIT, k, op, i, 0);
         int status = call(g, g->set, p->instance);
-        if (status > WARNING)
+        if (!good(status))
             return fail(kernel, SET_FAILED, k, op, i, status);
     }
     return 1;

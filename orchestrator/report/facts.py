@@ -14,6 +14,7 @@ from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import ports
 from orchestrator.master.faults import describe
+from orchestrator.master.undriven import in_words
 from orchestrator.quantity import rate
 from orchestrator.system import Component
 
@@ -142,6 +143,9 @@ def computed(run: "Run", label: str) -> str:
     for name, found in composition.designs.items():
         values = ", ".join(f"{k} = {_short(v)}" for k, v in found.values.items())
         lines.append(f"Design {name} ({found.call}): {values}.")
+    if held := in_words(composition.undriven):
+        lines.append(f"{held[0].upper()}{held[1:]}.")
+    lines += [f"{one}." for one in composition.not_taken_over]
     paragraphs = "".join(f"<p>{escape(line)}</p>" for line in lines)
     heading = f"<h2>How it was computed: {escape(label)}</h2>"
     maps = "".join(

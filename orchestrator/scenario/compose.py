@@ -12,16 +12,19 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
+from fmus.trust import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
     did_you_mean,
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.structure import sized
+from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
-from orchestrator.scenario.locate import component_of, digest, locate
+from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import (
     DesignSpec,
@@ -55,7 +58,7 @@ class Composition:
     ``sources`` says what each FMU was made of: a module, a model file or an
     ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
     user has to know of it, ``not_taken_over`` the scenario's values that a swapped
-    component left.
+    component left, ``undriven`` the inputs that no connection drives.
     """
 
     scenario: Scenario
@@ -66,6 +69,7 @@ class Composition:
     designs: Mapping[str, DesignResult]
     _values: tuple[Values, Values]
     not_taken_over: tuple[NotTakenOver, ...] = ()
+    undriven: tuple[Undriven, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Quantity:
@@ -87,6 +91,10 @@ class Composition:
         """
         return self._values[0].unit(name)
 
+    def refuse_text(self, name: str) -> None:
+        """Raise ``ScenarioError`` if a variable holds texts, which have no figure."""
+        self._values[0].refuse_text(name)
+
 
 def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     """Return the system a scenario describes.
@@ -106,7 +114,12 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
 def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     spec = scenario.spec
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
-    fmus = {name: read_fmu(found.path) for name, found in located.items()}
+    fmus = {
+        name: sized(
+            read_fmu(found.path), component_of(name, spec.components[name], found, {})
+        )
+        for name, found in located.items()
+    }
     digests = {name: digest(found.path) for name, found in located.items()}
     _refuse_other_content(scenario, digests)
     nominal = _nominal(scenario)
@@ -126,8 +139,10 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     connections, constants = open_connections(spec, components, fmus)
     refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
-        start = {**components[name].start, **values}
-        components[name] = replace(components[name], start=start)
+        own = components[name]
+        rest = {k: v for k, v in own.parameters.items() if k not in values}
+        start = {**own.start, **values}
+        components[name] = replace(own, parameters=rest, start=start)
     system = System(
         name=scenario.name,
         stop=spec.stop,
@@ -142,7 +157,15 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     both = actual, nominal
     return Composition(
-        scenario, system, fmus, sources, digests, designs, both, tuple(left)
+        scenario,
+        system,
+        fmus,
+        sources,
+        digests,
+        designs,
+        both,
+        tuple(left),
+        undriven(system, fmus),
     )
 
 

@@ -1,6 +1,5 @@
 """A component's FMU: found, or built where it is a model of ours; and the component."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -68,12 +67,6 @@ def locate(
     return Located(path, written, period)
 
 
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def component_of(
     name: str, spec: ComponentSpec, found: Located, designed: Mapping[str, Value]
 ) -> Component:
@@ -101,4 +94,6 @@ def component_of(
     fmu = read_fmu(found.path)
     parameters = in_own_units(component, fmu, "parameters", spec.parameters)
     start = in_own_units(component, fmu, "start", spec.start)
-    return replace(component, parameters={**designed, **parameters}, start=start)
+    given = {**designed, **parameters}  # one table with start, which comes last
+    parameters = {key: v for key, v in given.items() if key not in start}
+    return replace(component, parameters=parameters, start=start)

@@ -6,9 +6,12 @@
     faults.component.input.value  .samples  .window  .kind
     faults.component.input=false (leave it out)
     design.name.argument   design.name.from_run   design.name=false (leave it out)
+    metrics.name.key   metrics.name={...} (a new one)   metrics.name=false
+    record.component.variable   connections.component.input   (false: leave it out)
 
 ``component.parameters.name`` and ``component.start.name`` reach a variable
-whose name is one of the component's own keys.  Whether a parameter exists is
+whose name is one of the component's own keys; both are one table, in which the last
+value of a name holds.  Whether a parameter exists is
 known when the scenario is composed, from the FMU's variables.
 """
 
@@ -21,6 +24,7 @@ from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantity import DecimalFloat
 from orchestrator.scenario.schema import parse_setting
 
+_TABLES = ("rates", "design", "faults", "metrics", "record", "connections")
 _OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
 _OF_DESIGN = ("from_run", "call")
 _OF_FAULT = ("kind", "value", "samples", "window")
@@ -48,11 +52,15 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
         _set_design(raw, text, rest, value)
     elif head == "faults" and rest:
         _set_fault(raw, text, rest, value)
+    elif head == "metrics" and rest:
+        _set_metric(raw, text, rest, value)
+    elif head in ("record", "connections") and rest:
+        _set_entry(raw, text, head, rest, value)
     elif head in components and rest:
         _set_component(components[head], text, rest, value)
         return True
     elif rest:
-        _known(text, "component", head, [*components, "rates", "design", "faults"])
+        _known(text, "component", head, [*components, *_TABLES])
     else:
         known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
         raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
@@ -131,6 +139,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
     component.setdefault(table, {})[name] = value
+    component.get("start" if table == "parameters" else "parameters", {}).pop(name, 0)
 
 
 def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
@@ -163,6 +172,38 @@ def _set_fault(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
             f"fault, or faults.{name or rest}=false to leave them out"
         )
     faults[name][key] = value
+
+
+def _set_metric(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    metrics = raw.setdefault("metrics", {})
+    name, _, key = rest.partition(".")
+    if isinstance(value, dict) and not key:
+        metrics[name] = value
+        return
+    _known(text, "metric", name, metrics)
+    if key:
+        metrics[name][key] = value
+    elif value is False:
+        del metrics[name]
+        expect = raw.get("expect", {})
+        for figure in [f for f in expect if f.rpartition(".")[0] == name]:
+            del expect[figure]
+    else:
+        raise ScenarioError(
+            f"--set {text}: write metrics.{name}.<key>=value, metrics.{name}=false to "
+            f"leave it out, or a table in braces for a new one"
+        )
+
+
+def _set_entry(
+    raw: dict[str, Any], text: str, table: str, name: str, value: Any
+) -> None:
+    entries = raw.setdefault(table, {})
+    if value is not False:
+        entries[name] = value
+        return
+    _known(text, f"entry of [{table}]", name, entries)
+    del entries[name]
 
 
 def _known(text: str, noun: str, name: str, table: Iterable[str]) -> None:

@@ -285,7 +285,6 @@ def test_unsupported_functions_say_so(compiled: Callable) -> None:
         lambda: two.fmu.getStringStatus(fmi2.fmi2PendingStatus),
         lambda: two.fmu.getRealOutputDerivatives([0], [1]),
         lambda: two.fmu.setRealInputDerivatives([0], [1], [0.0]),
-        lambda: two.fmu.getDirectionalDerivative([0], [1], [1.0]),
     ):
         assert "not supported" in two.refused(call)
     two.step(0.0, 0.25)
@@ -296,7 +295,25 @@ def test_unsupported_functions_say_so(compiled: Callable) -> None:
         three.fmu.enterConfigurationMode,
         three.fmu.enterStepMode,
         lambda: three.fmu.fmi3EvaluateDiscreteStates(three.fmu.component),
-        lambda: three.fmu.getDirectionalDerivative([0], [1], [1.0], 1),
+        lambda: three.fmu.getAdjointDerivative([0], [1], [1.0], 1),
         lambda: three.fmu.getOutputDerivatives([0], [1]),
     ):
         assert "not supported" in three.refused(call)
+
+
+def test_derivatives_are_of_unknowns_by_knowns(
+    compiled: Callable, version: int
+) -> None:
+    built = compiled("shaft")
+    it = built.new(version).begin()
+    size = (1,) if version == 3 else ()
+    mass, speed, torque = (
+        built.layout[name].reference for name in ("J_m", "omega", "tau")
+    )
+    for knowns, unknowns, said in (
+        ([torque], [mass], "is no unknown"),
+        ([mass], [speed], "is no known"),
+        ([torque], [9999], "9999"),
+    ):
+        call = (unknowns, knowns, [1.0], *size)
+        assert said in it.refused(lambda c=call: it.fmu.getDirectionalDerivative(*c))

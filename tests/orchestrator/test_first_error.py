@@ -1,45 +1,25 @@
 """What a failed run says is its failure, whatever it was to be judged by."""
 
 import sys
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 from broken import MISBEHAVES, MODES, pack
-from pydantic import BaseModel
+from every_metric import METRICS
+from systems import part, system
 
 from orchestrator.errors import SimulationError
-from orchestrator.evaluation.schema import MetricSpec
 from orchestrator.history.listing import entries
+from orchestrator.master.simulate import simulate
 from orchestrator.scenario.reading import scenario_from
 from orchestrator.session import run
+from orchestrator.system import Component, Isolation
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="signals and limits of Linux"
 )
-MORE: dict[str, dict[str, Any]] = {
-    "error": {"against": "bad.u"},
-    "settling": {},
-    "sine": {"frequency_hz": 20, "against": "bad.u"},
-    "spectrum": {"frequency_hz": 20},
-    "onset": {"ramp": "bad.u", "piece": 0.01},
-    "step": {"height": 1.0, "band": 0.1},
-    "contour": {"across": "bad.u", "shape": "circle", "size": 1.0},
-    "sustained": {"level": "bad.u", "dwell": "1/50", "tail": "1/100", "span": 0.1},
-}
-
-
-def kinds() -> list[str]:
-    """Return every kind of metric there is."""
-    union: Any = get_args(MetricSpec)[0]
-    models: list[type[BaseModel]] = list(get_args(union))
-    fields = [get_args(model.model_fields["kind"].annotation) for model in models]
-    return [kind for literals in fields for kind in literals]
-
-
-METRICS = {
-    kind: {"kind": kind, "of": "bad.y", **MORE.get(kind, {})} for kind in kinds()
-}
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +99,43 @@ def test_no_metric_masks_the_end_of_a_process_or_of_the_disk(
             misbehaves, mode, at, METRICS, **{"isolation": "process", **more}
         )
         assert said in str(error)
+
+
+@pytest.mark.parametrize("isolation", ["none", "process"])
+@pytest.mark.parametrize("executor", ["kernel", "python"])
+@pytest.mark.parametrize(
+    ("mode", "said"),
+    [
+        ("negative", "doStep of 0.001 s at t = 0.05 s returned -1, which is no status"),
+        ("seven", "doStep of 0.001 s at t = 0.05 s returned 7, which is no status"),
+        ("negative_get", "get Real (y, ...) at t = 0.05 s returned -1, which is no"),
+        ("negative_set", "set Real (u, ...) at t = 0.05 s returned -1, which is no"),
+        ("negative_start", "failed with status -1 (illegal return code)"),
+    ],
+)
+def test_a_status_that_fmi_does_not_know_is_no_success(
+    misbehaves: Path,
+    tmp_path: Path,
+    mode: str,
+    said: str,
+    executor: Any,
+    isolation: str,
+) -> None:
+    parameters = {"mode": MODES.index(mode), "at": 0.05}
+    bad = part_of(misbehaves, parameters, process=isolation == "process")
+    fed = [part("ramp", "counter", "1/1000"), bad]
+    given = system("0.1", fed, {"bad.u": "ramp.k"}, {"bad.y": "1/1000"})
+    with pytest.raises(SimulationError) as error:
+        simulate(given, tmp_path, executor=executor)
+    assert "bad (misbehaves.fmu)" in str(error.value)
+    assert said in str(error.value)
+
+
+def part_of(fmu: Path, parameters: dict[str, float], *, process: bool) -> Component:
+    return Component(
+        "bad",
+        fmu,
+        Fraction(1, 1000),
+        parameters=parameters,
+        isolation=Isolation(process=process),
+    )

@@ -62,7 +62,7 @@ step = "1/1000"
 fmu = "plants.disturbances.rope_snap"
 step = "1/1000"
 [components.plant.map]
-pull = {{ name = "f", unit = "V" }}
+pull = {{ name = "f", unit = "V", gain = 1 }}
 [connections]
 "plant.pull" = "force.d_2"
 [record]
@@ -143,7 +143,8 @@ def test_a_pid_of_qfmu_takes_the_place_of_our_controller(
     """Its forward Euler with the new input is our sum of backward rectangles."""
     pid = qfmu(tmp_path, "pid", "pid", kp=K_P, ki=K_I, dt=1 / 2000)
     names = (
-        'v_est = {name = "u1", gain = -1, unit = "mm/s"}, u = {name = "y1", unit = "V"}'
+        'v_est = {name = "u1", gain = -1, unit = "mm/s"}, '
+        'u = {name = "y1", gain = 1, unit = "V"}'
     )
     ours, theirs = swapped(regulator, tmp_path / "run", "controller", pid, names)
     for name in ("controller.u", "plant.v", "plant.x"):
@@ -157,8 +158,10 @@ def test_a_state_space_of_qfmu_takes_the_place_of_our_plant(
     matrices = {"A": "[[0,1],[0,0]]", "B": "[[0,0],[2,2]]"}
     plant = qfmu(tmp_path, "mass", "ss", **matrices, C="[[1,0],[0,1]]", dt=1e-3)
     names = (
-        'u = {name = "u1", unit = "V"}, d = {name = "u2", unit = "V"}, '
-        'x = {name = "y1", unit = "m"}, v = {name = "y2", unit = "m/s"}'
+        'u = {name = "u1", gain = 1, unit = "V"}, '
+        'd = {name = "u2", gain = 1, unit = "V"}, '
+        'x = {name = "y1", gain = 1, unit = "m"}, '
+        'v = {name = "y2", gain = 1, unit = "m/s"}'
     )
     ours, theirs = swapped(regulator, tmp_path / "run", "plant", plant, names)
     for name in ("plant.v", "controller.u"):

@@ -16,11 +16,13 @@ from orchestrator.evaluation.compare import change
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import ErrorMetric, Expectation, PlainMetric
+from orchestrator.fmu.declared import Declared
 from orchestrator.fmu.description import FmuVariable, read_fmu
 from orchestrator.fmu.ports import connection, ports
+from orchestrator.master.wiring import wire
 from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
-from orchestrator.system import Component, Mapped
+from orchestrator.system import Component, Mapped, System
 from orchestrator.unit import Unit, UnitNames, conversion, unit_of_fmu
 
 NOT_RAD = ("kg", "m", "s", "A", "K", "mol", "cd")
@@ -82,7 +84,7 @@ def fmu_of(tmp_path_factory):
             **{"name": name, "fmi_type": "Real", "reference": 0, "shape": ()},
             **{"causality": causality, "variability": "continuous", "initial": None},
             **{"unit": unit, "base_unit": unit and unit.base, "start": "0"},
-            **{"min": None, "max": None, "description": ""},
+            **{"min": None, "max": None, "description": "", "declared": Declared()},
         )
         units = {str(unit): unit.base} if unit and unit.base else {}
         fmu = replace(plain, variables={name: variable}, units=units)
@@ -228,6 +230,16 @@ def test_a_map_with_a_unit_converts_or_is_refused(fmu_of):
     assert ports(component, fmu, "y")[0].gain == 0.314
 
 
+def test_a_guess_in_the_map_of_what_is_written_is_told(fmu_of):
+    component, fmu = fmu_of(unit_of_fmu("rpm", None), "parameter")
+    component = replace(
+        component, map={"y": Mapped("x", unit="rad/s")}, parameters={"y": 1.0}
+    )
+    system = System("s", Fraction(1), {"c": component}, {}, {})
+    (warning,) = wire(system, {"c": fmu}).warnings
+    assert "components.c.map: x: the FMU names the unit rpm" in warning
+
+
 def test_names_mean_what_the_fmu_at_hand_says_then_another_then_our_table():
     inch, ell = BaseUnit(m=1, factor=0.0254), BaseUnit(m=1, factor=0.6)
     names = UnitNames({"a": {"ell": ell, "m": inch}, "b": {"ell": inch}, "c": {}})
@@ -246,3 +258,54 @@ def test_result_files_keep_the_definition(pair):
     stored = {k.encode(): v.encode() for k, v in unit.metadata().items()}
     read = Unit.from_metadata(stored)
     assert (read, read.base, read.relative) == (unit, unit.base, unit.relative)
+
+
+UNITS = """<UnitDefinitions><Unit name="grd"><BaseUnit K="1" offset="273.15"/></Unit>
+<Unit name="none"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
+TYPES = {
+    2: '<SimpleType name="T"><Real unit="grd" relativeQuantity="true"/></SimpleType>',
+    3: '<Float64Type name="T" unit="grd" relativeQuantity="true"/>',
+}
+VARIABLE = {
+    2: '<ScalarVariable name="{0}" valueReference="{1}"><Real {2}/></ScalarVariable>',
+    3: '<Float64 name="{0}" valueReference="{1}" {2}/>',
+}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_units_are_read_from_variable_and_type(fmi, tmp_path):
+    """fmpy 0.3.32 never finds a variable's own relativeQuantity."""
+    attributes = {
+        "of_type": 'declaredType="T"',
+        "not_so": 'declaredType="T" relativeQuantity="false"',
+        "own": 'unit="grd" relativeQuantity="1"',
+        "value": 'unit="grd"',
+        "void": 'unit="none"',
+        "bare": "",
+    }
+    variables = "".join(
+        VARIABLE[fmi].format(name, i, text)
+        for i, (name, text) in enumerate(attributes.items())
+    )
+    token = "guid" if fmi == 2 else "instantiationToken"
+    text = (
+        DESCRIPTION.replace('"2.0"', f'"{fmi}.0"')
+        .replace("guid", token)
+        .replace(
+            "<ModelVariables/>",
+            f"{UNITS}<TypeDefinitions>{TYPES[fmi]}"
+            f"</TypeDefinitions><ModelVariables>{variables}</ModelVariables>",
+        )
+    )
+    file = tmp_path / "m.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    found = {name: v.unit for name, v in read_fmu(file).variables.items()}
+    relative = {name: unit.relative for name, unit in found.items() if unit}
+    assert relative == {
+        **{"of_type": True, "not_so": False, "own": True, "value": False},
+        "void": False,
+    }
+    assert found["bare"] is None
+    assert found["value"].base == BaseUnit(K=1, offset=273.15)
+    assert "without defining it" in found["void"].doubt

@@ -21,6 +21,11 @@ MODES = (
     "abort",
     "hang_when_freed",
     "equal_steps",
+    "negative",
+    "seven",
+    "negative_get",
+    "negative_set",
+    "negative_start",
 )
 MISBEHAVES = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Misbehaves" guid="{0}">

@@ -13,7 +13,8 @@ enum { U, Y, AT, MODE };
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
 enum {
     WELL, SEGFAULT, HANG, RETURN_ERROR, RETURN_FATAL, RETURN_DISCARD, NOT_A_NUMBER,
-    EXIT, LEAVE_THREAD, TAKE_MEMORY, ABORT, HANG_WHEN_FREED, WANT_EQUAL_STEPS
+    EXIT, LEAVE_THREAD, TAKE_MEMORY, ABORT, HANG_WHEN_FREED, WANT_EQUAL_STEPS,
+    NEGATIVE, SEVEN, NEGATIVE_GET, NEGATIVE_SET, NEGATIVE_START
 };
 
 typedef void Logger(void *, const char *, int, const char *, const char *, ...);
@@ -27,7 +28,7 @@ typedef struct {
 
 typedef struct {
     double real[3], first;
-    int mode;
+    int mode, begun;
     char name[64];
     Logger *logger;
 } Instance;
@@ -75,7 +76,9 @@ EXPORT void fmi2FreeInstance(Instance *i) {
 EXPORT int fmi2SetupExperiment(void *i, int a, double b, double c, int d, double e) {
     return OK;
 }
-EXPORT int fmi2EnterInitializationMode(void *i) { return OK; }
+EXPORT int fmi2EnterInitializationMode(Instance *i) {
+    return i->mode == NEGATIVE_START ? -1 : OK;
+}
 EXPORT int fmi2ExitInitializationMode(void *i) { return OK; }
 EXPORT int fmi2Terminate(void *i) { return OK; }
 EXPORT int fmi2Reset(void *i) { return OK; }
@@ -83,12 +86,12 @@ EXPORT int fmi2Reset(void *i) { return OK; }
 EXPORT int fmi2GetReal(Instance *i, const unsigned *r, size_t n, double *values) {
     for (size_t k = 0; k < n; k++)
         values[k] = i->real[r[k]];
-    return OK;
+    return i->begun && i->mode == NEGATIVE_GET ? -1 : OK;
 }
 EXPORT int fmi2SetReal(Instance *i, const unsigned *r, size_t n, const double *values) {
     for (size_t k = 0; k < n; k++)
         i->real[r[k]] = values[k];
-    return OK;
+    return i->begun && i->mode == NEGATIVE_SET ? -1 : OK;
 }
 EXPORT int fmi2GetInteger(Instance *i, const unsigned *r, size_t n, int *values) {
     for (size_t k = 0; k < n; k++)
@@ -119,7 +122,10 @@ EXPORT int fmi2DoStep(Instance *i, double t, double h, int no_set_state) {
         i->first = h;
     if (t < i->real[AT])
         return OK;
+    i->begun = 1;
     switch (i->mode) {
+    case NEGATIVE: return -1;
+    case SEVEN: return 7;
     case SEGFAULT: *(volatile int *)8 = 1; break;
     case HANG: for (volatile int n = 0;; n++) ;
     case RETURN_ERROR:

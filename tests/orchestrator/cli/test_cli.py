@@ -1,6 +1,8 @@
 """The command: what it prints, where, and how it refuses."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -270,8 +272,9 @@ def test_a_stop_a_fixed_step_fmu_cannot_meet_names_the_nearest(
 
 def test_a_failed_run_ends_with_code_1_and_leaves_its_rows(feeddrive, drive):
     diverging = ("--set", "plant.m_12=1e-3", "--set", "stop=20")
-    result = feeddrive("run", drive, *diverging, "-o", "out")
+    result = feeddrive("run", drive, *diverging, "-o", "out", "--json")
     refused(result, "plant", code=1)
+    assert json.loads(result.stdout)["result"] == "out"
     assert list(Path("out/result").glob("*.arrows"))
 
 
@@ -397,3 +400,22 @@ def test_the_module_runs_as_the_command_and_imports_nothing_heavy():
     assert "reproduce" in done.stdout
     loaded = done.stderr.strip().splitlines()[-1]
     assert loaded in ("[]", "['rich.table']")
+
+
+def test_version_help_and_completion_answer(feeddrive):
+    assert re.fullmatch(r"feeddrive \d+\.\d+\.\d+\n", feeddrive("--version").stdout)
+    for verb in ((), ("run",), ("runs",)):
+        assert "Usage" in feeddrive(*verb, "-h").stdout
+    done = subprocess.run(
+        [sys.executable, "-m", "orchestrator"],
+        env={
+            **os.environ,
+            "_FEEDDRIVE_COMPLETE": "complete_bash",
+            "COMP_WORDS": "feeddrive run ball_screw_pole_placement/mc_ppc_track_1",
+            "COMP_CWORD": "2",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "ball_screw_pole_placement/mc_ppc_track_1000" in done.stdout.split()

@@ -218,7 +218,7 @@ print("begun")
 isolation = Isolation(process=True)
 T = Fraction("1/1000")
 bad = Component("bad", Path({str(misbehaves)!r}), T, isolation=isolation)
-system = System("x", 10 * T, {{"bad": bad}}, {{}}, {{"bad.y": T}})
+system = System("x", 10 * T, {{"bad": bad}}, {{}}, {{"bad.y": (T,)}})
 print(len(simulate(system, Path({str(tmp_path)!r}))["bad.y"]))
 """
     )

@@ -138,6 +138,32 @@ def test_overrides_reach_parameters_times_rates_and_designs(drive):
     assert changed.spec.fmi == 3
 
 
+def test_overrides_reach_metrics_records_and_connections(drive):
+    spec = load_scenario(
+        drive,
+        [
+            "record.plant.x_1=2 kHz",
+            'record.plant.x_2=["20 kHz", "1 kHz"]',
+            "record.controller.u=false",
+            "connections.plant.u=0.5",
+            'metrics.x_1={kind = "peak", of = "plant.x_1"}',
+            "metrics.x_1.unit=deg",
+        ],
+    ).spec
+    assert spec.record == {
+        "plant.x_2": (Fraction(1, 20_000), Fraction(1, 1000)),
+        "plant.x_1": (Fraction(1, 2000),),
+    }
+    assert spec.connections["plant.u"] == 0.5
+    assert spec.metrics["x_1"].unit == "deg"
+    left = load_scenario(drive, ["connections.plant.u=false"]).spec
+    assert "plant.u" not in left.connections
+    name = next(iter(left.metrics))
+    less = load_scenario(drive, [f"metrics.{name}=false"]).spec
+    assert name not in less.metrics
+    assert not [figure for figure in less.expect if figure.startswith(f"{name}.")]
+
+
 def test_design_steps_are_told_the_file_and_not_what_set_changed(drive):
     changed = load_scenario(drive, ["plant.m_2=0.5e-3", "rates.control=10 kHz"])
     assert changed.nominal.components["plant"].parameters["m_2"] == 0.379e-3

@@ -1,0 +1,1 @@
+"""A run in the files that other tools read."""

@@ -1,0 +1,77 @@
+"""Directional derivatives of FMUs against differences of the NumPy equations."""
+
+import warnings
+
+import numpy as np
+import pytest
+from modules import MODULES
+from subject import Instance, subject
+
+from fmus.build import build
+
+CLOSE = 1e-5  # of the largest change
+EPSILON = (1e-6, 4e-7)  # where these two disagree there is a kink or a step
+
+
+def changes(s, x, u, p, dx, du, epsilon):
+    """Central difference of (derivatives, outputs) along (dx, du)."""
+    sides = []
+    for sign in (1, -1):
+        at = (x + sign * epsilon * dx, u + sign * epsilon * du, p)
+        if s.continuous:
+            rows = [s.numpy(name, *at) for name in ("derivative", "output")]
+            sides.append(np.concatenate(rows))
+        else:
+            sides.append(s.numpy("step", *at)[x.size :])
+    return (sides[0] - sides[1]) / (2 * epsilon)
+
+
+def direction(s, fmi, instance, dx, du):
+    """The same as the FMU gives it."""
+    knowns = [v for b in ("state", "input") for v in s.layout.block(b) if not v.boolean]
+    change = {"state": dx, "input": du}
+    seed = [
+        float(change[v.block][r - s.layout.offset[v.block]])
+        for v in knowns
+        for _, r in v.elements()
+    ]
+    unknowns = [v for b in ("derivative", "output") for v in s.layout.block(b)]
+    if fmi == 2:
+        of = [r for v in unknowns for _, r in v.elements()]
+        by = [r for v in knowns for _, r in v.elements()]
+        return np.array(instance.slave.getDirectionalDerivative(of, by, seed))
+    of, by = [v.reference for v in unknowns], [v.reference for v in knowns]
+    size = sum(v.size for v in unknowns)
+    return np.array(instance.slave.getDirectionalDerivative(of, by, seed, size))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("module", MODULES)
+def test_directional_derivatives_are_those_of_the_equations(module, fmi, tmp_path):
+    s = subject(module)
+    if not s.layout.count["state"] + s.layout.count["input"]:
+        pytest.skip("it has neither states nor inputs")
+    random = np.random.default_rng(11)
+    instance = Instance(build(module, fmi=fmi), fmi, tmp_path, s.layout)
+    compared = 0
+    for _ in range(3):
+        x, u, p = s.random_point(random)
+        dx = random.normal(size=x.size) * np.maximum(np.abs(x), 1e-3)
+        du = random.normal(size=u.size) * np.maximum(np.abs(u), 1e-3)
+        for v in s.layout.block("input"):
+            if v.boolean:
+                first = v.reference - s.layout.offset["input"]
+                du[first : first + v.size] = 0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            once, again = (changes(s, x, u, p, dx, du, e) for e in EPSILON)
+        for block, vector in (("parameter", p), ("state", x), ("input", u)):
+            instance.set(block, vector)
+        given = direction(s, fmi, instance, dx, du)
+        scale = np.max(np.abs(given), initial=1e-300)
+        smooth = np.abs(once - again) <= CLOSE / 10 * scale
+        error = np.abs(given - once)[smooth]
+        assert np.max(error, initial=0.0) <= CLOSE * scale
+        compared += smooth.sum()
+    assert compared
+    instance.slave.freeInstance()
