@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 
 from fmus.equations import Equations, Unreadable, read_equations
 from fmus.native_source import MODEL_DATA
+from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.instances.instance import Instance, LocalInstance
+from orchestrator.instances.instance import LocalInstance
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.fused.library import load
 from orchestrator.master.fused.memory import Memory
 from orchestrator.master.fused.source import Own, Source
@@ -152,8 +154,9 @@ def fusible(
         here = part.component.isolation.process is not True
         if instances is not None:
             here = isinstance(instances[name], LocalInstance)
-        equations = equations_of(part.fmu) if here and part.fmu.is_ours else None
-        if not part.fmu.is_ours:
+        ours = is_trusted(part.fmu.path)
+        equations = equations_of(part.fmu) if here and ours else None
+        if not ours:
             whys[name] = "is no FMU of ours"
         elif not here:
             whys[name] = "runs in a process of its own"
