@@ -7,15 +7,9 @@ what was published last.
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
-from typing import Any
-from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
-
-MANY = 64
-# the members of a series have their times in one array
-_ASKED: "dict[tuple[int, Instants], tuple[ref[Any], NDArray[np.bool_]]]" = {}
 
 
 @dataclass(frozen=True)
@@ -46,19 +40,10 @@ class Instants:
 
     def among(self, time: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Tell which of the times (n,) of a run, in s, are of these instants."""
-        if not len(time):
-            return np.zeros(0, dtype=bool)
-        known = _ASKED.get((id(time), self))
-        if known is not None and known[0]() is time:
-            return known[1]
-        last = int((Fraction(float(time[-1])) - self.first) / self.period) + 1
-        k = np.arange(max(0, last + 1))
+        k = np.rint((time - float(self.first)) / float(self.period)).astype(np.int64)
         unit = lcm(self.first.denominator, self.period.denominator)
         ticks = int(self.first * unit) + k * int(self.period * unit)
-        found = np.isin(time, ticks / unit)
-        if len(_ASKED) > MANY:
-            _ASKED.clear()
-        _ASKED[id(time), self] = ref(time), found
+        found: NDArray[np.bool_] = (k >= 0) & (ticks / unit == time)
         return found
 
     def __str__(self) -> str:

@@ -117,7 +117,13 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
+    from orchestrator.errors import ScenarioError
+
     set_up_logs(verbose)
+    if overwrite and output is None:
+        raise ScenarioError(
+            "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
         if json:

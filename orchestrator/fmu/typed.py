@@ -70,7 +70,7 @@ def held(where: str, port: Port, given: Scalar, fmi_major: int) -> Held:
         raise WiringError(f"{wrong}; give {_asked(port)}, not a text")
     if isinstance(given, bool) and variable.sort != "boolean":
         raise WiringError(f"{wrong} and no switch; give {_asked(port)}")
-    if not isfinite(given):
+    if not _is_finite(given, variable):
         raise WiringError(f"{wrong}; give a finite number")
     return _number(wrong, port, given, fmi_major)
 
@@ -96,6 +96,13 @@ def _number(wrong: str, port: Port, given: float, fmi_major: int) -> float:
                 f"{wrong.partition(':')[0]}: the FMU allows at {word} {bound}{unit}"
             )
     return number if variable.sort == "real" else int(number)
+
+
+def _is_finite(given: float, variable: FmuVariable) -> bool:
+    try:
+        return isfinite(given)
+    except OverflowError:  # a whole number beyond all floats
+        return variable.sort != "real"
 
 
 def _applied(affine: Affine, given: float) -> float:

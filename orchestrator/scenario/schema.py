@@ -68,9 +68,11 @@ def parse_scalar(value: Any) -> float | bool:
         return value
     if not isinstance(value, int | float):
         raise ValueError(f"{value!r} is not a number, true, false or an array")
+    if isinstance(value, int):
+        return value
     if not isfinite(value):
         raise ValueError(f"{value} is not a finite number")
-    return value if isinstance(value, int) else float(value)
+    return float(value)
 
 
 def _flat(value: Any) -> Iterator[Any]:
@@ -237,7 +239,7 @@ class FaultSpec(Strict):
     """A fault of an input: its kind, number, and window [from, to) (s; always)."""
 
     kind: FaultKind
-    value: int | float | None = None
+    value: Annotated[float | None, PlainValidator(parse_scalar)] = None
     samples: int | None = Field(default=None, ge=1)
     window: Window | None = None
 
@@ -249,8 +251,6 @@ class FaultSpec(Strict):
             if given != (key == needed):
                 verb = "takes no" if given else "needs its"
                 raise ValueError(f"kind {self.kind!r} {verb} {key}")
-        if self.value is not None and not np.isfinite(self.value):
-            raise ValueError(f"value: {self.value} is not a finite number")
         if self.kind == "quantisation" and not (self.value or 0) > 0:
             raise ValueError("value: a quantum is greater than zero")
         if self.window is not None and self.window[0] < 0:
