@@ -25,9 +25,11 @@ from fmus.load import PACKAGE, BuildError, load_model, sources
 from fmus.trust import digest, is_trusted, trust
 
 if TYPE_CHECKING:
+    from fmus.bare_c import Real
+    from fmus.preset import Value
     from fmus.subject import Fmi
 
-__all__ = ["BuildError", "FmuKind", "build", "load_model"]
+__all__ = ["BuildError", "FmuKind", "build", "build_c", "load_model"]
 
 LOG = logging.getLogger("feeddrive")
 DIGEST = "sha256"  # file beside an FMU in the cache
@@ -44,6 +46,8 @@ def build(
     kind: FmuKind = "native",
     fmi: "Fmi" = 2,
     period: Fraction | None = None,
+    values: Mapping[str, "Value"] | None = None,
+    origin: str = "",
     clock: bool = True,
     platforms: Sequence[str] | None = None,
     folder: Path | None = None,
@@ -51,11 +55,12 @@ def build(
     """Return an FMU of ``module.model``, from the cache if it is there.
 
     ``module`` is a dotted name or the path of a model file.  ``period`` (s)
-    replaces that of a sampled model.  Without ``clock`` a sampled model has no
-    input clock in FMI 3, which some importers take for a number.  ``platforms``,
-    called as by us or as in FMI (``win64``, ``x86_64-windows``), default to the
-    host's; those of Python FMUs are pythonfmu's.  With ``folder`` the file is
-    copied there.
+    replaces that of a sampled model, ``values`` the start values they name; the
+    documentation then tells their ``origin``.  Without ``clock`` a sampled model
+    has no input clock in FMI 3, which some importers take for a number.
+    ``platforms``, called as by us or as in FMI (``win64``, ``x86_64-windows``),
+    default to the host's; those of Python FMUs are pythonfmu's.  With ``folder``
+    the file is copied there.
 
     Raises:
         BuildError: the options do not go together, or the module is missing, has
@@ -63,18 +68,25 @@ def build(
         OSError: the file cannot be written; it is named.
     """
     _check_options(kind, fmi, period)
+    if values and kind == "python":
+        raise BuildError("Python FMUs keep the start values of their module")
     files = sources(module)
     wanted = None if platforms is None else _named(platforms)
     rate = f"-{period.numerator}_{period.denominator}" if period else ""
     here = (host.system(), host.machine())
-    key = _key(files, kind, fmi, period, clock, here if wanted is None else wanted)
+    told = (sorted((values or {}).items()), origin)
+    key = _key(
+        files, kind, fmi, period, told, clock, here if wanted is None else wanted
+    )
     place = cache_folder() / "fmus" / f"{module_name(module)}-{kind}{fmi}{rate}-{key}"
     fmu = _kept(place)
     if fmu is None:
         from fmus.package import native_contents, python_contents, subject_of
+        from fmus.preset import Preset
 
         chosen = _platforms(kind, wanted)
-        subject = subject_of(module, period, clock)
+        preset = Preset(period, values or {}, origin)
+        subject = subject_of(module, preset, clock)
         cache = cache_folder() / "libraries"
         if kind == "native":
             contents = native_contents(subject, fmi, chosen, cache)
@@ -102,6 +114,40 @@ def _kept(place: Path) -> Path | None:
     LOG.warning("%s: is damaged in the cache, so it is built anew", fmu)
     shutil.rmtree(place)
     return None
+
+
+def build_c(
+    module: str,
+    *,
+    folder: Path,
+    real: "Real" = "double",
+    period: Fraction | None = None,
+    values: Mapping[str, "Value"] | None = None,
+    origin: str = "",
+) -> Path:
+    """Write a sampled model as plain C into a folder of its name; return that.
+
+    Raises:
+        BuildError: as ``build``, or the model is continuous.
+        OSError: the files cannot be written.
+    """
+    from fmus.bare_c import REALS, bare_c
+    from fmus.compile import CompileError
+    from fmus.package import subject_of
+    from fmus.preset import Preset
+
+    if real not in REALS:
+        raise BuildError(f"real = {real!r}: choose from {', '.join(REALS)}")
+    subject = subject_of(module, Preset(period, values or {}, origin))
+    try:
+        files = bare_c(subject, real, cache_folder() / "libraries")
+    except CompileError as error:
+        raise BuildError(str(error)) from None
+    target = folder / subject.model.name
+    target.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        (target / name).write_text(text, encoding="utf-8", newline="\n")
+    return target
 
 
 def _copy(fmu: Path, folder: Path) -> Path:

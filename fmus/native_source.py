@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from fmus.layout import Layout, Variable
 from fmus.model import Continuous, Model
+from fmus.quantities import nominal
 
 if TYPE_CHECKING:  # imports CasADi, which only new builds need
     from fmus.trace import Traced
@@ -32,7 +33,7 @@ _BLOCKS = {
     "derivative": "DERIVATIVE",
     "period": "PERIOD",
 }
-_QUIET = """\
+QUIET = """\
 /* Local, so that models linked into one program do not meet. */
 #define CASADI_SYMBOL_EXPORT static
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -82,7 +83,7 @@ def native_sources(
     functions = (*traced.functions.values(), tangent(traced))
     work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
     parts = [
-        _QUIET,
+        QUIET,
         c_code(model, functions),
         '#include "model.h"\n',
         *_tables(model, layout),
@@ -97,9 +98,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
     variables.append(f'{{"time", {layout.size}, 1, TIME, 0, 0, 0}}')
     owner = [i for i, v in enumerate(layout.variables) for _ in range(v.size)]
     start = [x for v in layout.variables for x in v.start or (0.0,) * v.size]
-    nominal = [
-        v.var.nominal or 1.0 for v in layout.block("state") for _ in range(v.size)
-    ]
+    usual = [nominal(v) or 1.0 for v in layout.block("state") for _ in range(v.size)]
     delays = [
         f"{{{u}, {tau}, {capacity}}}" for u, tau, capacity in _delays(model, layout)
     ]
@@ -108,8 +107,8 @@ def _tables(model: Model, layout: Layout) -> list[str]:
         _array(
             "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
         ),
-        _array("double", "start", map(_number, [*start, 0.0])),
-        _array("double", "nominal", map(_number, nominal or [1.0])),
+        _array("double", "start", map(number, [*start, 0.0])),
+        _array("double", "nominal", map(number, usual or [1.0])),
         _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 
@@ -180,7 +179,7 @@ def _model(
         "n_d": traced.derived_size,
         "continuous": int(continuous),
         "clock": int(clock and not continuous),
-        "h_max": _number(model.h_max if isinstance(model, Continuous) else 0.0),
+        "h_max": number(model.h_max if isinstance(model, Continuous) else 0.0),
         "period_num": period[0],
         "period_den": period[1],
         "delays": "delays",
@@ -218,7 +217,7 @@ def _text(text: str) -> str:
     return f'"{escaped}"'
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     return repr(float(value))
 
 

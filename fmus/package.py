@@ -6,7 +6,6 @@ from; FMI 2 and FMI 3 share it, as they share the binary.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from hashlib import sha256
 from pathlib import Path
 from uuid import UUID
@@ -27,9 +26,9 @@ from fmus.description import describe, extra
 from fmus.documentation import index_html, license_text
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
-from fmus.model import Continuous, Model
 from fmus.native_source import ALL, adapter_sources, native_sources
 from fmus.own import OWN_PACKAGES
+from fmus.preset import Preset, preset
 from fmus.python_fmu import (
     external_dependencies,
     gate_sources,
@@ -41,20 +40,21 @@ from fmus.trace import trace
 from fmus.units import UnitError
 
 OWN_COPYRIGHT = "the feeddrive authors"
+AS_IT_IS = Preset()
 
 
-def subject_of(module: str, period: Fraction | None, clock: bool = True) -> Subject:
+def subject_of(module: str, wanted: Preset = AS_IT_IS, clock: bool = True) -> Subject:
     """Load and trace a module's model; collect what its FMU will tell of it.
 
     Raises:
-        BuildError: no such module or model, the period does not fit it, or it
+        BuildError: no such module or model, the preset does not fit it, or it
             cannot be traced.
     """
     name, files = module_name(module), sources(module)
     data = data_files(files)
     refuse_hidden_files(module, files)
     model, loaded = load_model(module), load_module(module)
-    model = _with_period(model, period)
+    model = preset(model, wanted)
     check_model(model)
     try:
         with watched(files, "traced"):
@@ -72,7 +72,7 @@ def subject_of(module: str, period: Fraction | None, clock: bool = True) -> Subj
         traced,
         places,
         name,
-        loaded.__doc__ or "",
+        (loaded.__doc__ or "") + wanted.origin,
         data={place: file.read_bytes() for place, file in data.items()},
         author=getattr(loaded, "__author__", OWN_COPYRIGHT if ours else None),
         copyright=getattr(
@@ -126,22 +126,6 @@ def python_contents(
         raise BuildError(str(error)) from error
     contents["documentation/externalDependencies.txt"] = external_dependencies()
     return contents
-
-
-def _with_period(model: Model, period: Fraction | None) -> Model:
-    if period is None:
-        return model
-    if isinstance(model, Continuous):
-        raise BuildError(
-            f"{model.name} is continuous and has no period: it takes any step; "
-            f"its longest substep is h_max = {model.h_max} s"
-        )
-    if model.period_fixed and period != model.period:
-        raise BuildError(
-            f"{model.name} is sampled every {model.period} s alone, which its numbers "
-            f"are designed for: a period of {period} s takes another design"
-        )
-    return replace(model, period=period)
 
 
 def _described(subject: Subject, fmi: Fmi, token: str) -> bytes:

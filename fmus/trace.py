@@ -26,6 +26,14 @@ from fmus.returned import called, pair_of, record_of
 
 # of fmus/native/elementary.h, instead of the C library's
 OWN = "exp|expm1|log|sin|cos|tan|sinh|cosh|tanh|pow|fmin|fmax"
+# what importers of CasADi's own kind would ask the C code
+UNNEEDED = (
+    r"(?ms)^CASADI_SYMBOL_EXPORT [^\n]*\{(?: return [^\n]*)?\}\n+",
+    r"(?ms)^CASADI_SYMBOL_EXPORT [^\n]*?(?:_version|_checkout|_release|_incref|_decref"
+    r"|_n_in|_n_out|_default_in|_name_in|_name_out|_sparsity_in|_sparsity_out|_work"
+    r"|_work_bytes)\(.*?^\}\n+",
+    r"(?m)^(?:static const casadi_int casadi_s|#define casadi_s)\d+[^\n]*\n+",
+)
 
 
 @dataclass(frozen=True)
@@ -200,6 +208,8 @@ def c_code(model: Model, functions: Iterable[ca.Function]) -> str:
     for function in functions:
         generator.add(function)
     code: str = generator.dump()
+    for unneeded in UNNEEDED:
+        code = re.sub(unneeded, "", code)
     theirs = rf"casadi_(?:fabs|{OWN})"  # for compilers before C99
     code = re.sub(rf"#define {theirs} .*\n", "", code)
     code = re.sub(rf"casadi_real {theirs}\(.*?\n}}\n\n", "", code, flags=re.DOTALL)

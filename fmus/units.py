@@ -61,8 +61,8 @@ class BaseUnit:
     @property
     def dimension(self) -> str:
         """The exponents in words: ``kg.m2.s-2``, ``1`` if there are none."""
-        written = (f"{n}{e if e != 1 else ''}" for n, e in self.exponents.items())
-        return ".".join(written) or "1"
+        above_first = sorted(self.exponents.items(), key=lambda item: item[1] < 0)
+        return ".".join(f"{n}{e if e != 1 else ''}" for n, e in above_first) or "1"
 
 
 class Conversion(NamedTuple):

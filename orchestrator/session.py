@@ -176,6 +176,10 @@ def refuse_metrics(composition: Composition) -> None:
     recorded = composition.system.record
     for name, metric in composition.scenario.spec.metrics.items():
         for key, signal in metric.signals().items():
+            try:
+                composition.refuse_text(signal)
+            except ScenarioError as error:
+                raise ScenarioError(f"metrics.{name}.{key}: {error}") from None
             if not any(r == signal or signal.startswith(f"{r}[") for r in recorded):
                 raise ScenarioError(
                     f"metrics.{name}.{key}: {signal} is not recorded; add "

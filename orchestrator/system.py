@@ -11,7 +11,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-Value: TypeAlias = float | bool | tuple[float, ...]
+Scalar: TypeAlias = float | bool | str
+Value: TypeAlias = Scalar | tuple[Scalar, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
 FaultKind: TypeAlias = Literal[
     "stuck", "bias", "gain", "delay", "quantisation", "override"
@@ -80,6 +81,11 @@ class Component:
     isolation: Isolation = Isolation()
     experiment: Experiment = Experiment()
     split: bool | None = None
+
+    @property
+    def values(self) -> Mapping[str, Value]:
+        """Parameters and start values together."""
+        return {**self.parameters, **self.start}
 
 
 @dataclass(frozen=True)

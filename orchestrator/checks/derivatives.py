@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.checks.archive import Archive
-from orchestrator.checks.instance import OK, STATUS, Instance, Row
+from orchestrator.checks.instance import OK, Instance, Row
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
 from orchestrator.checks.laboratory import Laboratory
 from orchestrator.checks.moment import (
@@ -17,6 +17,7 @@ from orchestrator.checks.moment import (
     unknowns,
 )
 from orchestrator.fmu.description import FmuVariable
+from orchestrator.instances.group import told
 
 DIRECTIONAL = "providesDirectionalDerivatives"  # FMI 2 without the s
 ADJOINT = "providesAdjointDerivatives"
@@ -176,10 +177,10 @@ def _of_input(lab: Laboratory, variable: FmuVariable) -> Iterator[Said]:
         reference = [variable.reference]
         status = one.status(one.fmu.setRealInputDerivatives, reference, [1], [0.0])
     if declared and status != OK:
-        yield Finding(f"canInterpolateInputs = true, but it returns {STATUS[status]}")
+        yield Finding(f"canInterpolateInputs = true, but it returns {told(status)}")
     if not declared and status == OK:
         yield advice("canInterpolateInputs = false, but a derivative is accepted")
-    yield f"canInterpolateInputs = {declared}, the call returns {STATUS[status]}"
+    yield f"canInterpolateInputs = {declared}, the call returns {told(status)}"
 
 
 def _of_outputs(lab: Laboratory, outputs: list[FmuVariable]) -> Iterator[Said]:
@@ -203,7 +204,7 @@ def _of_outputs(lab: Laboratory, outputs: list[FmuVariable]) -> Iterator[Said]:
         yield advice("maxOutputDerivativeOrder = 0, but a derivative is given")
     if order > 0 and status != OK:
         yield Finding(
-            f"maxOutputDerivativeOrder = {order}, but the call returns {STATUS[status]}"
+            f"maxOutputDerivativeOrder = {order}, but the call returns {told(status)}"
         )
     if order > 0 and status == OK:
         slopes = np.diff(rows, axis=0) / lab.h
@@ -214,4 +215,4 @@ def _of_outputs(lab: Laboratory, outputs: list[FmuVariable]) -> Iterator[Said]:
                     f"d {variable.name} / d t = {given[i]:.6g}, the steps before and "
                     f"after give {slopes[0, i]:.6g} and {slopes[1, i]:.6g}"
                 )
-    yield f"maxOutputDerivativeOrder = {order}, the call returns {STATUS[status]}"
+    yield f"maxOutputDerivativeOrder = {order}, the call returns {told(status)}"

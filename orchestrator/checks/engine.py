@@ -251,8 +251,8 @@ def serve(
     """Carry out one stage of one dynamic item; runs in the child."""
     from fmpy.fmi1 import FMICallException
 
-    from orchestrator.checks.instance import STATUS
     from orchestrator.checks.laboratory import Laboratory
+    from orchestrator.instances.group import told
 
     printed = _hide_output()
     last = [STARTING]
@@ -285,7 +285,7 @@ def serve(
     except CannotRun as error:
         pipe.send(("could not be run", str(error)))
     except FMICallException as error:
-        label = STATUS[error.status] if error.status < len(STATUS) else error.status
+        label = told(error.status)
         pipe.send(("refused", f"{error.function} returned {label} while {lab.blamed}"))
     except Exception as error:
         fault = f"a fault in feeddrive while {last[0]}: {type(error).__name__}: {error}"

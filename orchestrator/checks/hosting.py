@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
 
-from orchestrator.checks.instance import DISCARD, STATUS, same
+from orchestrator.checks.instance import DISCARD, same
 from orchestrator.checks.item import (
     Finding,
     NotApplicable,
@@ -18,6 +18,7 @@ from orchestrator.checks.item import (
     dynamic,
 )
 from orchestrator.checks.laboratory import Laboratory
+from orchestrator.instances.group import told
 
 FOLDERS = {
     "with spaces": "a folder with spaces",
@@ -116,7 +117,7 @@ def logging(lab: Laboratory) -> Iterator[Said]:
         lab.trying("reading a variable that does not exist")
         status = one.status(one.read_unknown)
         if status >= DISCARD and not one.messages:
-            yield advice(f"a refused call ({STATUS[status]}) leaves no message")
+            yield advice(f"a refused call ({told(status)}) leaves no message")
     declared = {c.name for c in lab.model.logCategories or ()}
     used = {category for _, category, _ in one.messages if category}
     if used - declared:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 Row: TypeAlias = NDArray[np.float64]
 
-STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 FAR = 1e5  # steps to the stop time of an FMU that wants one
 

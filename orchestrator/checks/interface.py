@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from orchestrator.checks.item import CannotRun
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.instances.group import strict
 
 Kind: TypeAlias = Literal["co-simulation", "model exchange"]
 Log: TypeAlias = Callable[[int, bytes | None, bytes | None], None]
@@ -70,7 +71,7 @@ def load(
         raise CannotRun(f"a function is missing: {error}") from None
     except Exception as error:  # fmpy raises bare Exception when loading fails
         raise CannotRun(str(error).replace(f"{folder}/", "")) from None
-    return face(fmu, kind)
+    return face(strict(fmu), kind)
 
 
 def _prefixed(base: Any, prefix: str) -> Any:

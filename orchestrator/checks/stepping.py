@@ -9,7 +9,6 @@ from fmpy.fmi1 import FMICallException
 from orchestrator.checks.instance import (
     ERROR,
     OK,
-    STATUS,
     Instance,
     Row,
     start_of,
@@ -17,6 +16,7 @@ from orchestrator.checks.instance import (
 from orchestrator.checks.item import Finding, NotApplicable, Said, advice, dynamic
 from orchestrator.checks.laboratory import STEPS, Laboratory
 from orchestrator.fmu.description import FmuVariable
+from orchestrator.instances.group import told
 
 TOLERANCE = 1e-6  # of a value's size
 NUDGE = 1e-9  # by which start values are moved to see how much a model cares
@@ -114,10 +114,10 @@ def variable_steps(lab: Laboratory) -> Iterator[Said]:
             if status != OK and declared:
                 yield Finding(
                     f"canHandleVariableCommunicationStepSize = true, but a step of "
-                    f"{h:.6g} s returns {STATUS[status]}"
+                    f"{h:.6g} s returns {told(status)}"
                 )
             if status != OK:
-                yield f"a step of {h:.6g} s returns {STATUS[status]}"
+                yield f"a step of {h:.6g} s returns {told(status)}"
                 return
             t += h
         if one.ended:

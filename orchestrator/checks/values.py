@@ -10,7 +10,6 @@ from fmpy.fmi1 import FMICallException
 from orchestrator.checks.instance import (
     FATAL,
     OK,
-    STATUS,
     Instance,
     excitation,
     same,
@@ -25,6 +24,7 @@ from orchestrator.checks.item import (
     dynamic,
 )
 from orchestrator.checks.laboratory import STEPS, Laboratory
+from orchestrator.instances.group import told
 
 SHOWN = 5
 
@@ -100,7 +100,7 @@ def tunable(lab: Laboratory) -> Iterator[Said]:
                 elif status != OK:
                     yield Finding(
                         f"{variable.name} is tunable, but changing it returns "
-                        f"{STATUS[status]}"
+                        f"{told(status)}"
                     )
                 elif one.get(variable) != value:
                     yield Finding(f"{variable.name} keeps its value when it is changed")

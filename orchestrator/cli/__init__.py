@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli import (
+    build,
     check,
     design,
     export,
@@ -52,7 +53,7 @@ for verb in (
     study.demo,
     study.scenarios,
     fmus.models,
-    fmus.build,
+    build.build,
     fmus.info,
     check.check,
     run.schedule,

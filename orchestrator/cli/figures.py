@@ -34,9 +34,7 @@ def print_reproduction(study: str, done: Reproduction) -> None:
         inside = {name: figures.pop(name) for name in names if name in figures}
         if inside:
             _print_source_table(table, inside)
-            rows = zip(table.rows, table.ids, strict=True)
-            ids = {name: {x for c in cells for x in c if x} for name, cells in rows}
-            _print_notes(list(inside.values()), agreement, ids)
+            _print_notes(list(inside.values()), agreement, _groups(table))
     if figures:
         typer.echo("\nsingle figures")
         _print_single(list(figures.values()), agreement)
@@ -64,6 +62,17 @@ def _print_counts(study: str, done: Reproduction) -> None:
     )
 
 
+def _groups(table: Table) -> dict[str, set[str]]:
+    """Return the ids of each row, column and way of ours, by its name."""
+    cells = [cell for row in table.ids for cell in row]
+    lines = [
+        *zip(table.rows, table.ids, strict=True),
+        *zip(table.columns, zip(*table.ids, strict=True), strict=True),
+        *((way, [(c[w],) for c in cells]) for w, way in enumerate(table.ours)),
+    ]
+    return {name: {one for cell in line for one in cell if one} for name, line in lines}
+
+
 def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
     """Print a table as the source lays it out; ours stand right of the published."""
     specs = [figure.spec for figure in figures.values()]
@@ -74,28 +83,33 @@ def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
     told = (one_unit, ", ".join(sorted(published)), ", ".join(sorted(classes)))
     where = f"{table.where}: " * (table.where != "-")
     typer.echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
+    groups = _groups(table)
+    of = {name: _common_unit(ids, figures) for name, ids in groups.items()}
+    in_head = len(units) > 1 and all(of[column] is not None for column in table.columns)
+    in_name = len(units) > 1 and not in_head
     head = [""]
-    rows = {}
-    for name, ids in zip(table.rows, table.ids, strict=True):
-        inside = [
-            figures[one] for cell in ids for one in cell if one and one in figures
-        ]
-        own = {_unit(figure.spec.unit) for figure in inside}
-        unit = (
-            f" ({', '.join(own)})" if len(own) == 1 < len(units) and own != {""} else ""
-        )
-        rows[ids] = ([name + unit], len(own) > 1)
+    rows = [[n + (of[n] or "") * in_name] for n in table.rows]
     for j, column in enumerate(table.columns):
         ways = [
             w for w in range(len(table.ours)) if any(row[j][w] for row in table.ids)
         ]
-        head += [f">{column}", *(f">{table.ours[w]}" for w in ways)]
-        for ids, (row, with_unit) in rows.items():
+        head.append(f">{column}" + (of[column] or "") * in_head)
+        head += [f">{table.ours[w]}" for w in ways]
+        for name, ids, row in zip(table.rows, table.ids, rows, strict=True):
             found = [figures.get(ids[j][w] or "") for w in ways]
             first = next((figure for figure in found if figure is not None), None)
+            with_unit = in_name and of[name] is None
             row.append("" if first is None else _published(first, with_unit))
             row += ["" if figure is None else _ours(figure) for figure in found]
-    print_table(head, [row for row, _ in rows.values() if any(row[1:])])
+    print_table(head, [row for row in rows if any(row[1:])])
+
+
+def _common_unit(ids: set[str], figures: Mapping[str, Figure]) -> str | None:
+    """Return the unit of a row or column in brackets; None if it has several."""
+    units = {_unit(figures[name].spec.unit) for name in ids & figures.keys()}
+    if len(units) > 1:
+        return None
+    return "".join(f" ({unit})" for unit in units if unit)
 
 
 def _ours(figure: Figure) -> str:
@@ -136,9 +150,9 @@ def _print_single(figures: Iterable[Figure], agreement: float) -> None:
 
 
 def _print_notes(
-    figures: Sequence[Figure], agreement: float, rows: Mapping[str, set[str]]
+    figures: Sequence[Figure], agreement: float, groups: Mapping[str, set[str]]
 ) -> None:
-    """Print each reason once, with the figures or whole rows it is given for."""
+    """Print each reason once, with the rows, columns or figures it is given for."""
     notes: dict[str, list[str]] = {}
     for figure in figures:
         if figure.why:
@@ -148,10 +162,13 @@ def _print_notes(
             notes.setdefault(text, []).append(figure.spec.id)
     shown = {figure.spec.id for figure in figures}
     for text, names in notes.items():
-        whole = [row for row, ids in rows.items() if ids & shown and ids <= {*names}]
-        inside = {name for row in whole for name in rows[row]}
-        rest = _shortened([name for name in names if name not in inside])
-        of = "; ".join(filter(None, [*whole, rest]))
+        rest, whole = {*names}, []
+        for group, ids in groups.items():
+            if ids & rest and ids & shown <= rest:
+                whole.append(group)
+                rest -= ids
+        said = [*whole, _shortened([name for name in names if name in rest])]
+        of = "; ".join(filter(None, said))
         typer.echo("  " + (text if len(names) == len(figures) > 1 else f"{of}: {text}"))
 
 

@@ -3,7 +3,6 @@
 import importlib
 from collections.abc import Iterator
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -61,121 +60,6 @@ def _model_facts(module: str, model: "Model") -> dict[str, Any]:
         "kind": "sampled" if sampled else "continuous",
         "period": time_text(model.period) if isinstance(model, Sampled) else None,
         "description": source.strip().partition("\n")[0].rstrip("."),
-    }
-
-
-@command
-def build(
-    modules: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[MODULE]...",
-            help="plants.x, controllers.y, model.py, supplied.ball_screw",
-        ),
-    ] = None,
-    all_: Annotated[bool, typer.Option("--all", help="build every model")] = False,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="folder of the FMUs")
-    ] = Path("dist/fmus"),
-    kind: Annotated[str, typer.Option(help="native or python")] = "native",
-    fmi: Annotated[
-        int | None, typer.Option(help="2 or 3 [2; with --all and native both]")
-    ] = None,
-    period: Annotated[
-        str | None, typer.Option(help='sample time of sampled models, e.g. "1/10000"')
-    ] = None,
-    clock: Annotated[
-        bool,
-        typer.Option("--clock/--no-clock", help="input clock of sampled models, FMI 3"),
-    ] = True,
-    platform: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="all, or a platform such as linux-x86_64 or win64 (repeatable) "
-            "[that of this machine]"
-        ),
-    ] = None,
-    json: Json = False,
-) -> None:
-    """Build FMUs of models and show their sizes and build times."""
-    from fmus.compile import PLATFORMS
-    from orchestrator.errors import ScenarioError
-
-    names = [*(modules or []), *(model_modules() if all_ else [])]
-    if not names:
-        raise ScenarioError("name the modules to build, or give --all")
-    versions = [fmi or 2] if fmi or kind != "native" or not all_ else [2, 3]
-    chosen = list(PLATFORMS) if platform == ["all"] else platform
-    built = []
-    for version in versions:
-        folder = output / f"fmi{version}" if len(versions) > 1 else output
-        for name in names:
-            with waiting(f"building {name} as FMI {version}"):
-                one = _build(name, folder, kind, version, period, chosen, all_, clock)
-                built.append(one)
-    if json:
-        print_json({"fmus": built})
-        return
-    rows = [
-        [
-            b["module"],
-            f"FMI {b['fmi']}",
-            f"{b['bytes'] / 1024:.0f} KiB",
-            f"{b['seconds']:.2f} s",
-            b["file"],
-        ]
-        for b in built
-    ]
-    print_table(["module", "form", ">size", ">time", "file"], rows)
-
-
-def _build(
-    module: str,
-    folder: Path,
-    kind: Any,
-    fmi: Any,
-    period: str | None,
-    platforms: list[str] | None,
-    skip_continuous: bool,
-    clock: bool,
-) -> dict[str, Any]:
-    """Build one FMU; a period for all models is not meant for continuous ones."""
-    import fmus.build
-    from fmus.model import Sampled
-    from orchestrator.errors import ScenarioError
-    from orchestrator.supplied import PREFIX, build_supplied
-
-    exact = None
-    if period is not None:
-        try:
-            exact = parse_period(period)
-        except ValueError as error:
-            raise ScenarioError(f"--period: {error}") from None
-        if skip_continuous and not isinstance(fmus.build.load_model(module), Sampled):
-            exact = None
-    begun = perf_counter()
-    try:
-        if module.startswith(PREFIX):
-            file = build_supplied(module, folder)
-        else:
-            file = fmus.build.build(
-                module,
-                kind=kind,
-                fmi=fmi,
-                period=exact,
-                clock=clock,
-                platforms=platforms,
-                folder=folder,
-            )
-    except fmus.build.BuildError as error:
-        raise ScenarioError(f"{module}: {error}") from None
-    return {
-        "module": module,
-        "kind": kind,
-        "fmi": fmi,
-        "file": str(file),
-        "bytes": file.stat().st_size,
-        "seconds": perf_counter() - begun,
     }
 
 

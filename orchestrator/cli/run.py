@@ -18,7 +18,13 @@ from orchestrator.cli.output import (
     waiting,
 )
 from orchestrator.cli.running import load, simulate
-from orchestrator.cli.swap import ORIGINAL, compare, load_original, print_swap
+from orchestrator.cli.swap import (
+    ORIGINAL,
+    compare,
+    load_original,
+    print_swap,
+    propose_map,
+)
 from orchestrator.evaluation.compare import number
 from orchestrator.quantity import NoValue, rate, time_text
 
@@ -110,28 +116,52 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
+    from orchestrator.errors import ScenarioError
+
     set_up_logs(verbose)
-    original = None
-    if swap:
-        original = load_original(scenario, sets, swap, map, fmi, map_out)
+    if overwrite and output is None:
+        raise ScenarioError(
+            "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
+    if map_out is not None:
+        text = propose_map(scenario, sets, swap, fmi, map_out)
+        if json:
+            print_json({"map": text, "file": str(map_out)})
+            return
+        typer.echo(
+            f"{text}\nproposed and not applied: check every line, above all gains and "
+            f"signs, and run again with --map {map_out}"
+        )
+        return
+    original = load_original(scenario, sets, swap, map, fmi) if swap else None
     loaded = load(scenario, sets, swap, map, fmi)
     options = {"executor": executor and executor.value, "profile": profile}
-    beside: dict[str, Run] = {}
+    beside: dict[str, Any] = {}
 
     def also(done: "Run") -> dict[str, Any]:
         """Run what a swap is compared with before the run is complete."""
         if original:
-            beside[ORIGINAL] = compare(original, done, swap, **options)
-        return {name: other.summary()["metrics"] for name, other in beside.items()}
+            first, answers = compare(original, done, swap, **options)
+            beside.update(first=first, answers=answers)
+        return told(done)
+
+    def told(done: "Run") -> dict[str, Any]:
+        """Return what JSON says of a swap besides."""
+        if not beside:
+            return {}
+        return {
+            ORIGINAL: beside["first"].summary()["metrics"],
+            "answers": [asdict(one) for one in beside["answers"]],
+            "warnings": list(done.warnings),
+        }
 
     done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
     if json:
-        others = {name: other.summary()["metrics"] for name, other in beside.items()}
-        print_json({**done.summary(), **others})
+        print_json({**done.summary(), **told(done)})
     else:
         print_run(done)
-        for first in beside.values():
-            print_swap(first, done)
+        if beside:
+            print_swap(beside["first"], done, beside["answers"])
     changed = bool(sets or swap)  # then figures may well differ, but not be gone
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:

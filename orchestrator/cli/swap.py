@@ -18,8 +18,10 @@ from orchestrator.evaluation.compare import change, number
 from orchestrator.quantity import NoValue
 
 if TYPE_CHECKING:
+    from orchestrator.fmu.description import FmuDescription
     from orchestrator.outcome import Run
     from orchestrator.scenario.compose import Composition
+    from orchestrator.scenario.pulse import Measured
     from orchestrator.scenario.reading import Scenario
 
 ORIGINAL = "original"
@@ -33,13 +35,11 @@ def load_original(
     swaps: list[str],
     maps: list[str],
     fmi: int | None,
-    map_out: Path | None = None,
 ) -> "Scenario":
     """Return the scenario without the swaps, with all else that is set on it.
 
     What is set on a swapped component holds for the original too, so that the two
     differ by the swap alone; what the original has not is left out, and named.
-    ``map_out`` takes the map that is proposed, and nothing more is done.
 
     Raises:
         ScenarioError: a foreign FMU has other names and there is no map; the
@@ -54,7 +54,7 @@ def load_original(
     original = load(name, elsewhere, [], [], fmi)
     with naming(original), waiting("comparing names"):
         composition = compose(original, run_earlier)
-        _refuse_other_names(composition, tables, map_out)
+        _refuse_other_names(composition, tables)
     kept = [text for text in sets if text in elsewhere or _shared(text, composition)]
     for text in sets:
         if text not in kept:
@@ -74,43 +74,65 @@ def _shared(text: str, original: "Composition") -> bool:
 
 
 def _refuse_other_names(
-    original: "Composition",
-    swaps: Mapping[str, Mapping[str, Any]],
-    map_out: Path | None,
+    original: "Composition", swaps: Mapping[str, Mapping[str, Any]]
 ) -> None:
-    from fmus.build import build
     from orchestrator.errors import ScenarioError
-    from orchestrator.fmu.description import read_fmu
-    from orchestrator.scenario.propose import proposal
+    from orchestrator.scenario.propose import lacking
 
-    for component, swap in swaps.items():
-        if "map" in swap:
-            continue
-        written = str(swap["fmu"])
-        theirs = read_fmu(written if written.endswith(".fmu") else build(written))
-        ours = original.fmus[component]
-        missing, found = proposal(original.system, component, ours, theirs)
-        if map_out is not None:
-            _write(map_out, found)
-            typer.echo(found)
-            typer.echo(
-                f"proposed and not applied: check every line, above all gains and "
-                f"signs, and run again with --map {map_out}"
-            )
-            raise typer.Exit(0)
-        if missing:
+    for component, theirs in _without_map(swaps).items():
+        if missing := lacking(original.system, component, theirs):
             raise ScenarioError(
                 f"--swap {component}: {theirs.path.name} has no {', '.join(missing)}. "
                 f"A map is proposed below and was not applied: check every line and "
                 f"the signs, save it as map.toml (--map-out map.toml does) and add "
-                f"--map map.toml\n\n{found}"
+                f"--map map.toml\n\n{_proposal(original, component, theirs)}"
             )
 
 
-def _write(file: Path, text: str) -> None:
-    """Write a proposal, but never over a map that somebody may have edited."""
-    from orchestrator.errors import ScenarioError
+def _without_map(
+    swaps: Mapping[str, Mapping[str, Any]],
+) -> "dict[str, FmuDescription]":
+    """Return the FMUs of swaps for which no map is given, by component."""
+    from fmus.build import build
+    from orchestrator.fmu.description import read_fmu
 
+    files = {
+        name: str(swap["fmu"]) for name, swap in swaps.items() if "map" not in swap
+    }
+    return {
+        name: read_fmu(file if file.endswith(".fmu") else build(file))
+        for name, file in files.items()
+    }
+
+
+def _proposal(original: "Composition", component: str, theirs: "FmuDescription") -> str:
+    from orchestrator.scenario.propose import proposal
+
+    return proposal(original.system, component, original.fmus[component], theirs)
+
+
+def propose_map(
+    name: str, sets: list[str], swaps: list[str], fmi: int | None, file: Path
+) -> str:
+    """Write the map that is proposed for a swap, and return it.
+
+    Raises:
+        ScenarioError: there is not one swap, or the file is there already: somebody
+            may have edited it.
+    """
+    from orchestrator.errors import ScenarioError
+    from orchestrator.scenario.compose import compose
+    from orchestrator.scenario.override import parse_swaps
+    from orchestrator.session import naming, run_earlier
+
+    found = _without_map(parse_swaps(swaps, []))
+    if len(found) != 1:
+        raise ScenarioError("--map-out: write one --swap whose map is to be proposed")
+    ((component, theirs),) = found.items()
+    elsewhere = [t for t in sets if t.partition(".")[0].strip() != component]
+    original = load(name, elsewhere, [], [], fmi)
+    with naming(original), waiting("comparing names and answers"):
+        text = _proposal(compose(original, run_earlier), component, theirs)
     try:
         with file.open("x", encoding="utf-8") as new:
             new.write(text)
@@ -118,21 +140,44 @@ def _write(file: Path, text: str) -> None:
         raise ScenarioError(
             f"--map-out {file}: there is such a file; name another"
         ) from None
+    return text
 
 
 def compare(
     original: "Scenario", swapped: "Run", swaps: list[str], **options: Any
-) -> "Run":
-    """Run the original too, overlay both in the report, and return its run."""
+) -> "tuple[Run, list[Measured]]":
+    """Run the original too and overlay both in the report.
+
+    Returns its run, and how an FMU file answers short pulses beside it; an answer
+    the other way round is warned of.
+    """
     from orchestrator.report.page import write_report
+    from orchestrator.scenario.pulse import answers
+    from orchestrator.warned import warn
 
     first = simulate(original, swapped.folder / ORIGINAL, report=False, **options)
-    names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in _parts(swaps))
+    parts = _parts(swaps)
+    both = first.composition, swapped.composition
+    found = [
+        one
+        for component, _, _ in parts
+        if swapped.composition.sources[component].endswith(".fmu")
+        for one in answers(*both, component)
+    ]
+    for one in found:
+        if one.ratio < 0:
+            text = (
+                f"{one.output} answers a pulse on {one.input} the other way round "
+                f"({one.ratio:+.3g} times the original's): is a sign of the map wrong?"
+            )
+            warn(text)
+            swapped.warnings += (text,)
+    names = ", ".join(f"{c} = {Path(f).name}" for c, _, f in parts)
     title = swapped.scenario.spec.title or swapped.scenario.name
     with waiting("writing the report"):
         runs = [_titled(first, ORIGINAL), _titled(swapped, SWAPPED)]
         write_report(runs, swapped.folder / "report.html", f"{title}: {names}")
-    return first
+    return first, found
 
 
 def _parts(swaps: Sequence[str]) -> list[tuple[str, str, str]]:
@@ -149,7 +194,7 @@ def _titled(run: "Run", title: str) -> "Run":
     return Run(run, composition, *told)
 
 
-def print_swap(first: "Run", second: "Run") -> None:
+def print_swap(first: "Run", second: "Run", answers: "Sequence[Measured]") -> None:
     """Print the figures of the original and of the swapped run side by side."""
     rows = []
     for name, before in first.metrics.items():
@@ -180,6 +225,9 @@ def print_swap(first: "Run", second: "Run") -> None:
         rows.append(row)
     head = ["figure", f">{ORIGINAL}", f">{SWAPPED}", ">difference", "unit", ">change"]
     print_table(head, rows, "Original against swapped")
+    if answers:
+        told = ", ".join(f"{a.input} -> {a.output} {a.ratio:+.4g}" for a in answers)
+        typer.echo(f"answers to a short pulse, {SWAPPED} over {ORIGINAL}: {told}")
     if first.diverged:
         typer.echo(f"{ORIGINAL}: {first.diverged}")
     for run, name in ((first, ORIGINAL), (second, SWAPPED)):

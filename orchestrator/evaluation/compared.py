@@ -22,6 +22,17 @@ from orchestrator.result import Result, Signal
 
 Tables: TypeAlias = Mapping[Fraction, Sequence[Column]]
 
+EXACT = 2.0**53  # up to which a number with a point holds every whole one
+
+
+def loses_digits(spec: MetricSpec, signals: Mapping[str, Signal]) -> str | None:
+    """Return the signal of a metric of which a figure would lose digits, if any."""
+    for name in spec.signals().values():
+        values = signals[name].values if name in signals else np.empty(0)
+        if values.dtype.kind in "iu" and np.any(np.abs(values.astype(float)) > EXACT):
+            return name
+    return None
+
 
 def taken(spec: MetricSpec, signals: Mapping[str, Signal]) -> dict[str, Signal]:
     """Return a metric's signals by key, all with the same times.
@@ -32,6 +43,7 @@ def taken(spec: MetricSpec, signals: Mapping[str, Signal]) -> dict[str, Signal]:
     if spec.at is not None and isinstance(signals, Result):
         signals = signals.at(spec.at)
     found = {key: _recorded(name, signals) for key, name in spec.signals().items()}
+    found = {key: replace(s, values=s.values.astype(float)) for key, s in found.items()}
     first, *others = found.values()
     kept = np.ones(len(first), dtype=bool)
     for other in others:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError
-from orchestrator.evaluation.compared import taken
+from orchestrator.evaluation.compared import loses_digits, taken
 from orchestrator.evaluation.motion import (
     contour_error,
     onset,
@@ -35,6 +35,7 @@ from orchestrator.evaluation.schema import (
     StepMetric,
     SustainedMetric,
 )
+from orchestrator.evaluation.spectrum import spectrum_line, strongest_line
 from orchestrator.quantity import (
     NoValue,
     Quantity,
@@ -81,6 +82,10 @@ def _until(
     signals: Mapping[str, Signal],
     parameter: Parameters,
 ) -> dict[str, Quantity]:
+    if name := loses_digits(spec, signals):
+        why = f"{name} has more digits than a figure holds (beyond 2^53)"
+        found = _figures(spec, signals, parameter)
+        return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
     if ended is None or spec.window is None or spec.window[1] <= ended.at:
         return _figures(spec, signals, parameter)
     whole = spec.model_copy(update={"window": None})  # for the figures' names
@@ -202,9 +207,12 @@ def _figures(
     if isinstance(spec, OnsetMetric):
         ramp = found["ramp"]
         return onset(time, y, ramp.values[rows], spec.piece, ramp.unit)
+    unit = unit.of_difference()
+    if isinstance(spec, SpectrumMetric) and spec.band_hz is not None:
+        return strongest_line(time, y, spec.band_hz, unit)
+    assert spec.frequency_hz is not None  # the schema lets none of them be without
     frequency = factor(spec.frequency_hz, parameter)
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
-    unit = unit.of_difference()
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
     amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
@@ -276,24 +284,6 @@ def sine_fit(time: Array, y: Array, hertz: float) -> complex:
 
 def _phase(c: complex) -> Quantity:
     return Quantity(float(np.angle(c, deg=True)), "deg")
-
-
-def spectrum_line(
-    time: Array, y: Array, hertz: float, unit: str
-) -> dict[str, Quantity]:
-    """Return amplitude and frequency of the spectral line nearest ``hertz``.
-
-    One-sided, Hann window, amplitude of the equivalent sine; rows equally spaced.
-    """
-    from scipy.signal import periodogram
-
-    rate = (len(time) - 1) / (time[-1] - time[0])
-    lines, power = periodogram(y, rate, window="hann", scaling="spectrum")
-    nearest = int(np.argmin(np.abs(lines - hertz)))
-    return {
-        "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
-        "frequency": Quantity(float(lines[nearest]), "Hz"),
-    }
 
 
 def _rows(spec: MetricSpec, signal: Signal) -> slice:

@@ -124,11 +124,23 @@ class SineMetric(_Metric):
 
 
 class SpectrumMetric(_Metric):
-    """``.amplitude`` of the line nearest ``frequency_hz`` (Hann, one-sided), and its
-    ``.frequency`` (Hz)."""
+    """``.amplitude`` of a spectral line (Hann, one-sided), and its ``.frequency`` (Hz).
+
+    The line nearest ``frequency_hz``, or the strongest one within ``band_hz``, whose
+    frequency is interpolated between lines.
+    """
 
     kind: Literal["spectrum"]
-    frequency_hz: Factor
+    frequency_hz: Factor | None = None
+    band_hz: tuple[float, float] | None = Field(default=None, strict=False)
+
+    @model_validator(mode="after")
+    def _one_line(self) -> "SpectrumMetric":
+        if (self.frequency_hz is None) == (self.band_hz is None):
+            raise ValueError("give frequency_hz or band_hz")
+        if self.band_hz is not None and not 0 <= self.band_hz[0] < self.band_hz[1]:
+            raise ValueError("band_hz takes the lower end, then the upper end")
+        return self
 
 
 class OnsetMetric(_Metric):

@@ -6,23 +6,28 @@ Units come from the FMU's own definitions.
 """
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from math import isfinite
 from pathlib import Path
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal
 
-from fmus.archive import EXTRA
-from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.fmu.declared import (
+    Declared,
+    declared,
+    refuse_ambiguous,
+    refuse_two_descriptions,
+    units,
+)
+from orchestrator.fmu.own import kind_and_period
 from orchestrator.system import Kind
 from orchestrator.unit import Unit, unit_of_fmu
 
-Sort = Literal["real", "integer", "boolean", "string"]
+Sort = Literal["real", "integer", "boolean", "string", "binary"]
 Dtype = Literal["float64", "int64", "uint64"]
 
 _TYPES = {
@@ -36,6 +41,7 @@ _SORTS: dict[str, Sort] = {
     "Float32": "real",
     "Boolean": "boolean",
     "String": "string",
+    "Binary": "binary",
 }
 _WORDS: dict[str, Dtype] = {
     "Int64": "int64",
@@ -49,7 +55,8 @@ class FmuVariable:
     """One variable; ``references`` has one entry per FMI 2 scalar or FMI 3 array.
 
     ``size`` counts its numbers; ``unit`` is the FMU's own, ``base_unit`` its
-    definition as written (None where the FMU gives none).
+    definition as written (None where the FMU gives none).  ``declared`` is what it or
+    its type says besides.
     """
 
     name: str
@@ -65,11 +72,22 @@ class FmuVariable:
     min: str | None
     max: str | None
     description: str
+    declared: Declared
     dtype: Dtype = "float64"  # by which its numbers lie in the master's vector
 
     @property
     def sort(self) -> Sort:
         return _SORTS.get(self.fmi_type, "integer")
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its values are no numbers: they are set, but never travel."""
+        return self.sort in ("string", "binary")
+
+    @property
+    def kind(self) -> str:
+        """What it is in words, for messages."""
+        return f"{'an' if self.fmi_type[0] in 'EIU' else 'a'} {self.fmi_type}"
 
     @property
     def size(self) -> int:
@@ -99,6 +117,7 @@ class FmuDescription:
     tool: str
     description: str
     variables: Mapping[str, FmuVariable]
+    clocks: frozenset[str]
     units: Mapping[str, BaseUnit]
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
@@ -113,6 +132,7 @@ class FmuDescription:
     kind: Kind | None
     period: Fraction | None
     default_step: float | None
+    default_start: float | None
     log_categories: tuple[str, ...]
 
     def __getitem__(self, name: str) -> FmuVariable:
@@ -138,12 +158,19 @@ class FmuDescription:
         return tuple(n for n, v in self.variables.items() if v.causality == "output")
 
     def feeds_through(self, name: str) -> bool:
-        """Tell whether some output depends directly on this input while stepping."""
+        """Tell whether some output depends directly on this input while stepping.
+
+        Dependencies on parameters are not declared: they count as there.
+        """
+        if self.variables[name].causality != "input":
+            return True
         declared = [self.dependencies.get(output) for output in self.outputs]
         return any(d is None or name in d for d in declared)
 
     def feeds_through_initially(self, name: str) -> bool:
         """Tell the same of initialisation; unlisted outputs depend on everything."""
+        if self.variables[name].causality != "input":
+            return True
         declared = [self.initial_dependencies.get(output) for output in self.outputs]
         return any(d is None or name in d for d in declared)
 
@@ -167,10 +194,12 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     import fmpy
     from lxml import etree
 
+    refuse_two_descriptions(path)
     text = read_member(path, "modelDescription.xml")
     try:
         root = etree.fromstring(text)
         refuse_other_fmi(path, root)
+        refuse_ambiguous(path, root)
         md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
     except FmuError:
         raise
@@ -186,14 +215,11 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
                 f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
                 f"FMI {major}; ask its supplier for a valid modelDescription.xml"
             )
-    kind, period = _own(path, root)
+    kind, period = kind_and_period(path, root)
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
-    units = dict(_units(md.unitDefinitions))
-    relative = _relative(root)
-    for v in md.modelVariables:
-        v.relativeQuantity = relative.get(v.name)
+    defined, said = dict(units(md.unitDefinitions)), declared(root)
     return FmuDescription(
         path=path,
         fmi_major=major,
@@ -203,11 +229,12 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, units, major)
+            v.name: _variable(v, defined, said[v.name], major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
-        units=units,
+        clocks=frozenset(v.name for v in md.modelVariables if v.type == "Clock"),
+        units=defined,
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
@@ -223,6 +250,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
+        default_start=_number(getattr(md.defaultExperiment, "startTime", None)),
         log_categories=tuple(c.get("name", "") for c in root.iter("Category")),
     )
 
@@ -264,40 +292,13 @@ def _only_xml(text: bytes) -> bytes:
     return memory.getvalue()
 
 
-def _units(definitions: list[Any]) -> Iterator[tuple[str, BaseUnit]]:
-    """Yield every unit that is defined; a factor of zero defines nothing."""
-    for unit in definitions:
-        written = unit.baseUnit
-        if written is None:
-            continue
-        factor, offset = float(written.factor), float(written.offset)
-        if factor and isfinite(factor) and isfinite(offset):
-            exponents = {name: int(getattr(written, name) or 0) for name in BASE}
-            yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
-
-
-def _relative(root: Any) -> dict[str, bool]:
-    """Return what variables say of relativeQuantity (fmpy 0.3.32 never finds it)."""
-    found = {}
-    for variable in root.iterfind("ModelVariables/*"):
-        for element in (variable, *variable.iterchildren("Real")):
-            if written := element.get("relativeQuantity"):
-                found[variable.get("name")] = written in ("true", "1")
-    return found
-
-
-def _definition(name: str | None, units: Mapping[str, BaseUnit]) -> BaseUnit | None:
-    return units.get(name or "") or (BaseUnit() if name == "1" else None)
-
-
-def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
+def _variable(
+    v: Any, defined: Mapping[str, BaseUnit], said: Declared, major: int
+) -> FmuVariable:
     type_ = v.declaredType
     name: str | None = v.unit or (type_.unit if type_ is not None else None)
-    base = _definition(name, units)
-    relative = v.relativeQuantity
-    if relative is None and type_ is not None:
-        relative = type_.relativeQuantity
-    unit = unit_of_fmu(name, base, relative=bool(relative)) if name else None
+    base = defined.get(name or "") or (BaseUnit() if name == "1" else None)
+    unit = unit_of_fmu(name, base, relative=said.relative) if name else None
     return FmuVariable(
         name=v.name,
         fmi_type=v.type,
@@ -309,9 +310,10 @@ def _variable(v: Any, units: Mapping[str, BaseUnit], major: int) -> FmuVariable:
         unit=unit,
         base_unit=base,
         start=v.start,
-        min=v.min,
-        max=v.max,
+        min=said.min,
+        max=said.max,
         description=v.description or "",
+        declared=said,
         dtype=_WORDS.get(v.type, "float64") if major == 3 else "float64",
     )
 
@@ -337,34 +339,6 @@ def _platforms(path: Path) -> tuple[str, ...]:
         if len(parts) > 2 and parts[0] == "binaries" and parts[2]:
             folders.add(parts[1])
     return tuple(sorted(folders))
-
-
-def _own(path: Path, root: Any) -> tuple[Kind | None, Fraction | None]:
-    """Return kind and exact period that our own FMUs carry, built today or before."""
-    from lxml import etree
-
-    place = EXTRA
-    try:
-        if any(member.filename == EXTRA for member in checked_members(path)):
-            return _told(etree.fromstring(read_member(path, EXTRA)))
-        place = "modelDescription.xml"
-        for note in root.iter("{*}Tool", "{*}Annotation"):
-            if "feeddrive" in (note.get("name"), note.get("type")):
-                for model in note.iter("{*}Model"):
-                    return _told(model)
-    except (etree.XMLSyntaxError, ValueError, ZeroDivisionError) as error:
-        raise FmuError(
-            f"{path}: kind and period in {place} cannot be understood ({error}); "
-            f"build the FMU again"
-        ) from None
-    return None, None
-
-
-def _told(model: Any) -> tuple[Kind, Fraction | None]:
-    kind, period = model.get("kind"), model.get("period")
-    if kind not in get_args(Kind):
-        raise ValueError(f"kind = {kind!r}")
-    return cast(Kind, kind), Fraction(period) if period else None
 
 
 def _number(text: Any) -> float | None:

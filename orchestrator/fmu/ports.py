@@ -45,7 +45,8 @@ class Port:
     ``label`` is what distinguishes it under the name it was asked by (``""``,
     ``[2]``, ``.x``).  Ours and theirs are related by gain and offset in the
     direction of the signal; ``unit`` is that of our side, None if there is none.
-    ``doubts`` say what of its map is a guess.
+    ``doubts`` say what of its map is a guess; with ``asked`` a gain or offset is
+    written there, by which a switch may become a number.
     """
 
     component: str
@@ -57,6 +58,7 @@ class Port:
     offset: float
     unit: Unit | None
     doubts: tuple[str, ...] = ()
+    asked: bool = False
 
     @property
     def full_name(self) -> str:
@@ -113,6 +115,11 @@ def _ports(
             (v, n[len(name) :]) for n, v in variables.items() if n.startswith(prefixes)
         ]
     if not members:
+        if name in fmu.clocks:
+            raise WiringError(
+                f"{component.name}.{name} is a Clock, which has no value; the master "
+                f"ticks the clocks of an FMU by itself"
+            )
         known = set(variables) | set(component.map)
         raise WiringError(
             f"{component.name} ({fmu.path.name}) has no variable {name!r}; "
@@ -133,6 +140,7 @@ def _ports(
                 affine.offset,
                 unit,
                 doubts,
+                asked=mapped.gain is not None or mapped.offset is not None,
             )
 
 
@@ -168,6 +176,11 @@ def _our_side(
         WiringError: the unit of the map cannot be had without a gain.
     """
     theirs = variable.unit
+    if variable.is_text and (mapped.gain, mapped.offset, mapped.unit) != (None,) * 3:
+        raise WiringError(
+            f"components.{component.name}.map: {mapped.name} is {variable.kind}, which "
+            f"has no gain, offset or unit"
+        )
     given = Affine(
         1.0 if mapped.gain is None else mapped.gain,
         0.0 if mapped.offset is None else mapped.offset,
@@ -240,12 +253,34 @@ def connection(source: Port, sink: Port) -> Passage:
 def _check_types(source: Port, sink: Port, ends: str) -> None:
     if source.variable.causality == "input":
         raise WiringError(f"{ends}: the source is an input; name an output instead")
-    kinds = source.variable.sort, sink.variable.sort
-    fit = kinds[0] == kinds[1] or kinds == ("integer", "real")
-    if not fit or "string" in kinds:
+    there, here = source.variable, sink.variable
+    refused = f"{ends}: {there.kind} cannot drive {here.kind}"
+    for variable in (there, here):
+        if variable.is_text:
+            raise WiringError(
+                f"{refused}: texts do not travel; set {variable.name} under parameters "
+                f"or start"
+            )
+    if (there.sort == "boolean") != (here.sort == "boolean"):
+        if source.asked or sink.asked:
+            return
+        number = sink if there.sort == "boolean" else source
         raise WiringError(
-            f"{ends}: a {kinds[0]} variable cannot drive a {kinds[1]} one; put a "
-            f"component that converts between them"
+            f"{refused} unasked. To take a switch as 0 and 1, write\n\n"
+            f"[components.{number.component}.map]\n{json.dumps(number.name)} = "
+            f"{{ name = {json.dumps(number.variable.name)}, gain = 1 }}"
+        )
+    if here.declared.items:
+        missing = set(there.declared.items) - set(here.declared.items)
+        if not there.declared.items or missing:
+            names = ", ".join(sorted(item.name for item in missing))
+            raise WiringError(
+                f"{refused}: "
+                + (f"{names} is no item there" if names else "it may be no item there")
+            )
+    if there.sort == "real" and here.sort != "real":
+        raise WiringError(
+            f"{refused}: it would be cut; put a component that rounds between them"
         )
 
 

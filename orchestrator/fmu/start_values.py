@@ -1,38 +1,52 @@
-"""Parameters and start values of a component, as what is written to its FMU."""
+"""Parameters and start values of a component, as what is written to its FMU.
 
-from collections.abc import Mapping, Sequence
-from math import isfinite
+Parameters and start values are one table: of a name in both the start value holds.
+"""
+
+from collections.abc import Sequence
+from typing import TypeAlias
 
 from orchestrator.errors import WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Port, ports
-from orchestrator.system import Component, Value
+from orchestrator.fmu.typed import Held, held
+from orchestrator.system import Component
 
-Written = tuple[FmuVariable, tuple[float, ...]]
+Written: TypeAlias = tuple[FmuVariable, tuple[Held, ...]]
 
 
 def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ...]:
-    """Return what is written before initialisation, as the FMU's own numbers.
+    """Return what is written before initialisation, as the FMU's own values.
+
+    Each variable is written once, whole, in the order of the scenario.
 
     Raises:
-        WiringError: no such variable, one that cannot be set, not as many numbers
-            as it has, true or false for a number, or one that is not finite or
-            out of its bounds.
+        WiringError: no such variable, one that cannot be set, not as many values as
+            it has, or one that is none of its type (``typed.py``).
     """
-    written: list[Written] = []
-    for section in ("parameters", "start"):
-        values: Mapping[str, Value] = getattr(component, section)
-        for name, value in values.items():
-            where = f"components.{component.name}.{section}.{name}"
-            try:
-                found = ports(component, fmu, name)
-            except WiringError as error:
-                raise WiringError(f"{where}: {error}") from None
-            written.extend(_numbers(where, found, value))
-    return tuple(written)
+    whole: dict[str, tuple[FmuVariable, list[Held | None]]] = {}
+    for name, value in component.values.items():
+        section = "start" if name in component.start else "parameters"
+        where = f"components.{component.name}.{section}.{name}"
+        try:
+            found = ports(component, fmu, name)
+        except WiringError as error:
+            raise WiringError(f"{where}: {error}") from None
+        _refuse_what_cannot_be_set(where, found)
+        given = value if isinstance(value, tuple) else (value,)
+        if len(given) != len(found):
+            raise WiringError(
+                f"{where}: {len(found)} values expected, {len(given)} given"
+            )
+        for port, one in zip(found, given, strict=True):
+            v = port.variable
+            known = declared(v) or [None] * v.size
+            _, values = whole.setdefault(v.name, (v, known))
+            values[port.element] = held(where, port, one, fmu.fmi_major)
+    return tuple(_complete(component.name, *written) for written in whole.values())
 
 
-def _numbers(where: str, found: Sequence[Port], value: Value) -> list[Written]:
+def _refuse_what_cannot_be_set(where: str, found: Sequence[Port]) -> None:
     for port in found:
         v = port.variable
         settable = v.causality in ("parameter", "input", "structuralParameter")
@@ -41,53 +55,44 @@ def _numbers(where: str, found: Sequence[Port], value: Value) -> list[Written]:
             raise WiringError(
                 f"{where}: a {v.variability} {v.causality} of the FMU cannot be set"
             )
-    given = value if isinstance(value, tuple) else (value,)
-    numbers = [float(v) for v in given]
-    if len(numbers) != len(found):
+
+
+def _complete(
+    component: str, variable: FmuVariable, values: list[Held | None]
+) -> Written:
+    """Return all values of a variable, of which some may be the FMU's own.
+
+    Raises:
+        WiringError: some are neither given nor known.
+    """
+    known = tuple(value for value in values if value is not None)
+    if len(known) < len(values):
         raise WiringError(
-            f"{where}: {len(found)} numbers expected, {len(numbers)} given"
+            f"components.{component}: {variable.name} has {variable.size} values, and "
+            f"its FMU does not say those that are not given; give all of them"
         )
-    for port, one in zip(found, given, strict=True):
-        if isinstance(one, bool) and port.variable.sort == "real":
-            raise WiringError(
-                f"{where} = {str(one).lower()}: {port.full_name} is no switch; give a "
-                f"number in {port.unit or '1'}"
-            )
-    if not all(map(isfinite, numbers)):
-        raise WiringError(f"{where} = {value}: must be a finite number")
-    whole: dict[str, tuple[FmuVariable, list[float]]] = {}
-    for port, number in zip(found, numbers, strict=True):
-        v = port.variable
-        whole.setdefault(v.name, (v, declared(v)))
-        whole[v.name][1][port.element] = _bounded(where, port, number)
-    return [(variable, tuple(values)) for variable, values in whole.values()]
+    return variable, known
 
 
-def _bounded(where: str, port: Port, number: float) -> float:
-    """Return a number as the FMU's own, which must lie within its bounds."""
-    affine = port.to_theirs
-    theirs = affine.gain * number + affine.offset
-    low, high = (
-        float(b) if b else None for b in (port.variable.min, port.variable.max)
-    )
-    for bound, broken, word in (
-        (low, low is not None and theirs < low, "least"),
-        (high, high is not None and theirs > high, "most"),
-    ):
-        if broken:
-            raise WiringError(
-                f"{where} = {number:g}: the FMU allows at {word} {bound:g} "
-                f"{port.variable.unit or ''}".rstrip()
-            )
-    return theirs
+def declared(variable: FmuVariable) -> list[Held | None]:
+    """Return a variable's start values as its FMU declares them, none if it does not.
+
+    One value stands for all of an array (FMI 3.0).
+    """
+    words = variable.declared.starts
+    if len(words) == 1:
+        words *= variable.size
+    if len(words) != variable.size:
+        return []
+    return [declared_value(variable, word) for word in words]
 
 
-def declared(variable: FmuVariable) -> list[float]:
-    """Return a variable's start values as the FMU declares them, else zeros."""
-    words = {"true": 1.0, "false": 0.0}
-    numbers = [
-        words[w] if w in words else float(w) for w in (variable.start or "").split()
-    ]
-    if len(numbers) == 1:
-        return numbers * variable.size
-    return numbers if len(numbers) == variable.size else [0.0] * variable.size
+def declared_value(variable: FmuVariable, word: str) -> Held:
+    """Return a start value as a model description writes it."""
+    if variable.sort == "string":
+        return word
+    if variable.sort == "binary":
+        return bytes.fromhex(word)
+    if variable.sort == "boolean":
+        return int(word in ("true", "1"))
+    return int(word) if variable.sort == "integer" else float(word)

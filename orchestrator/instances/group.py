@@ -8,7 +8,6 @@ is refused: a fraction for an integer, anything but 0 and 1 for a Boolean.
 import ctypes
 from collections.abc import Sequence
 from itertools import groupby
-from math import inf
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,18 +15,11 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.typed import bounds, fits
 from orchestrator.native import library as c
 
 STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
-
-_FLOAT32_MAX = float(np.finfo(np.float32).max)
-_BOUNDS = {
-    "Boolean": (0.0, 1.0),
-    "Real": (-inf, inf),
-    "Float64": (-inf, inf),
-    "Float32": (-_FLOAT32_MAX, _FLOAT32_MAX),
-}
 
 _FMI2 = {
     "Real": "Real",
@@ -60,6 +52,22 @@ def told(status: int) -> str:
     """Return a status by its name in FMI."""
     known = 0 <= status < len(STATUS)
     return STATUS[status] if known else f"{status}, which is no status of FMI"
+
+
+def strict(fmu: Any) -> Any:
+    """Let fmpy refuse negative statuses, which it takes for success."""
+    from fmpy.fmi1 import FMICallException
+
+    call = fmu._call
+
+    def checked(function: str, *arguments: Any) -> Any:
+        result = call(function, *arguments)
+        if fmu._functions[function].restype is ctypes.c_int and result < 0:
+            raise FMICallException(function=function, status=result)
+        return result
+
+    fmu._call = checked
+    return fmu
 
 
 class Owner(Protocol):
@@ -154,12 +162,12 @@ class Group:
         self.buffer[:] = list(values) if fractions else [int(v) for v in values]
 
     def _fits(self, value: float) -> bool:
-        return fits(self.instance.description.fmi_major, self.kind, value)
+        return fits(self.kind, self.major, value)
 
     def misfit(self, values: Sequence[float]) -> SimulationError:
         """Return the error for the first value that does not fit the type."""
         value = next(v for v in values if not self._fits(v))
-        low, high = bounds(self.major, self.kind)
+        low, high = bounds(self.kind, self.major)
         kind = "number" if self.kind == "Float32" else "whole number"
         why = f"was given {value}, but takes {kind}s from {low} to {high}"
         return self.instance.fail(self._named("set"), why)
@@ -181,24 +189,6 @@ class Group:
     def _call(self, verb: str, function: Any) -> None:
         if not good(status := function(*self._arguments)):
             raise self.failure(verb, status)
-
-
-def fits(fmi_major: int, kind: str, value: float) -> bool:
-    """Tell whether an FMI type holds a value exactly (Float32: within its range)."""
-    if kind in ("Real", "Float64"):
-        return True
-    low, high = bounds(fmi_major, kind)
-    return low <= value <= high and (kind == "Float32" or value == value // 1)
-
-
-def bounds(fmi_major: int, kind: str) -> tuple[float, float]:
-    """Return the least and the greatest value of an FMI type."""
-    if kind in _BOUNDS:
-        return _BOUNDS[kind]
-    element = _CTYPES[_FMI2[kind] if fmi_major == 2 else _fmi3(kind)]
-    unsigned = element(-1).value > 0
-    bits = 8 * ctypes.sizeof(element)
-    return (0, 2**bits - 1) if unsigned else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
 
 def _fmi3(kind: str) -> str:
@@ -223,7 +213,7 @@ def group_table(group: Group) -> c.Group:
     """Return the kernel's view of a group, which must be kept alive."""
     major = group.major
     boolean = group.kind == "Boolean"
-    low, high = bounds(major, group.kind)
+    low, high = bounds(group.kind, major)
     return c.Group(
         get=c.address(group.getter),
         set=c.address(group.setter),

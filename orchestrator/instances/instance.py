@@ -1,21 +1,10 @@
-"""One FMU instance in this process, FMI 2.0 or 3.0, behind one small interface.
-
-Call order: ``instantiate`` (again where the FMU is to be made anew), ``set_up`` the
-experiment, ``write`` start values, ``enter_initialization``, ``bind``,
-``write``/``read`` as often as needed, ``exit_initialization``, ``quiet`` unless
-messages are wanted, then ``push`` (all inputs), ``step``, ``pull`` (all outputs) in
-the master's order, at the end ``close``.  ``push`` and ``pull`` move one contiguous
-part of the master's value vector in one call per FMI type.
-
-Every call returns normally or raises ``SimulationError`` with the instance,
-the function, and what the FMU logged.
-"""
+"""An FMU instance in this process, FMI 2.0 or 3.0, called through ctypes."""
 
 import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +12,8 @@ from numpy.typing import NDArray
 from fmus.trust import is_trusted
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.structure import is_structural
+from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import (
     DISCARD,
@@ -31,6 +22,7 @@ from orchestrator.instances.group import (
     Group,
     good,
     groups,
+    strict,
     told,
 )
 from orchestrator.instances.logs import (
@@ -39,52 +31,8 @@ from orchestrator.instances.logs import (
     callbacks,
     log_errors_only,
 )
+from orchestrator.instances.texts import Texts
 from orchestrator.native import library as c
-
-
-class Instance(Protocol):
-    """What the master needs of an FMU instance, wherever it runs.
-
-    ``outcome.last`` is set by a whole step after which the FMU has ended the run;
-    ``ended`` says why.  After ``bind``, the kernel calls ``do_step`` on ``slave`` in
-    the way of FMI ``step_major``, and the functions of the groups in that of their own
-    ``major``.
-    """
-
-    name: str
-    description: FmuDescription
-    clock: ctypes.c_double
-    slave: Any
-    do_step: Any
-    inputs: list[Group]
-    outputs: list[Group]
-    outcome: c.Outcome
-
-    @property
-    def step_major(self) -> int: ...
-    def ended(self) -> Ended: ...
-    def failed_step(self, h: float, status: int) -> SimulationError: ...
-    def instantiate(self) -> None: ...
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None: ...
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]: ...
-    def set_up(
-        self, start: float, stop: float | None, tolerance: float | None
-    ) -> None: ...
-    def enter_initialization(self) -> None: ...
-    def exit_initialization(self) -> None: ...
-    def quiet(self) -> None: ...
-    def bind(
-        self,
-        vector: NDArray[np.float64],
-        inputs: Sequence[FmuVariable],
-        first_input: int,
-        outputs: Sequence[FmuVariable],
-        first_output: int,
-    ) -> None: ...
-    def push(self) -> None: ...
-    def step(self, t: float, h: float) -> None: ...
-    def pull(self) -> None: ...
-    def close(self) -> None: ...
 
 
 class LocalInstance:
@@ -114,7 +62,7 @@ class LocalInstance:
         _require_binary(description, folder)
         try:
             with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
-                self._fmu = _strict(self._load(folder))
+                self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:
             raise
@@ -187,20 +135,30 @@ class LocalInstance:
             f"t = {self.time:.9g} s {reason}. The FMU {told}"
         )
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
-        position = 0
-        for variable in variables:
-            part = values[position : position + variable.size]
-            position += variable.size
-            with self._named(f"set {variable.name}"):
-                Group(self, [variable]).set(part)
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
+        """Set variables; the structural parameters first, in configuration mode."""
+        given = iter(values)
+        parts = [(v, [next(given) for _ in range(v.size)]) for v in variables]
+        structural = [part for part in parts if is_structural(part[0])]
+        if structural:
+            with self._named("configure"):
+                self._fmu.enterConfigurationMode()
+            self._set(structural)
+            with self._named("leave configuration mode"):
+                self._fmu.exitConfigurationMode()
+        self._set([part for part in parts if not is_structural(part[0])])
 
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
-        values: list[float] = []
+    def _set(self, parts: Sequence[tuple[FmuVariable, list[Any]]]) -> None:
+        for variable, values in parts:
+            with self._named(f"set {variable.name}"):
+                (Texts if variable.is_text else Group)(self, [variable]).set(values)
+
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
+        found: list[Held] = []
         for variable in variables:
             with self._named(f"get {variable.name}"):
-                values.extend(Group(self, [variable]).get())
-        return values
+                found += (Texts if variable.is_text else Group)(self, [variable]).get()
+        return found
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
         """Hand over the experiment; FMI 3.0 takes it with its initialisation."""
@@ -341,22 +299,6 @@ class LocalInstance:
             if self._worst != FATAL:  # then no call is allowed any more
                 self._fmu.freeInstance()
         self.slave = None
-
-
-def _strict(fmu: Any) -> Any:
-    """Let fmpy refuse negative statuses, which it takes for success."""
-    from fmpy.fmi1 import FMICallException
-
-    call = fmu._call
-
-    def checked(function: str, *arguments: Any) -> Any:
-        result = call(function, *arguments)
-        if fmu._functions[function].restype is ctypes.c_int and result < 0:
-            raise FMICallException(function=function, status=result)
-        return result
-
-    fmu._call = checked
-    return fmu
 
 
 class _Named:

@@ -28,8 +28,13 @@ from numpy.typing import NDArray
 from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+<<<<<<< HEAD
 from orchestrator.instances.bundle import Bundle
 from orchestrator.instances.child import Child, how_ended
+=======
+from orchestrator.fmu.typed import Held
+from orchestrator.instances.bundle import Bundle
+>>>>>>> main
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
 from orchestrator.instances.isolated_child import serve
@@ -98,12 +103,12 @@ class IsolatedInstance:
             self._loaded = True
         self._ask("instantiate")
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
         self._ask("write", list(variables), values)
 
-    def read(self, variables: Sequence[FmuVariable]) -> list[float]:
+    def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
         self._deliver()
-        answer: list[float] = self._ask("read", list(variables))
+        answer: list[Held] = self._ask("read", list(variables))
         return answer
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:

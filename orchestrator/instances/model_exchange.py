@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import WHOLE, Ended
 from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.logs import LogMessage
@@ -81,7 +82,7 @@ class ModelExchangeInstance(LocalInstance):
             instanceName=self.name,
         )
 
-    def write(self, variables: Sequence[FmuVariable], values: list[float]) -> None:
+    def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
         super().write(variables, values)
         self._jumped = True
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.instances.instance import Instance
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.faults import Faults
 from orchestrator.master.layout import Part
 from orchestrator.master.places import Copy, Views, carry, views

@@ -47,7 +47,10 @@ class Faults:
         self, wiring: Wiring, schedule: Schedule, vector: NDArray[np.float64]
     ) -> None:
         seen = views(vector)
-        self._inputs = [_Input(f, schedule, seen[f.dtype]) for f in wiring.faulty]
+        self._inputs = [
+            _Input(f, schedule, seen[f.dtype], float if f.dtype == "float64" else int)
+            for f in wiring.faulty
+        ]
         self._of: dict[str, list[_Input]] = {}
         for faulty, place in zip(wiring.faulty, self._inputs, strict=True):
             self._of.setdefault(faulty.edge.source, []).append(place)
@@ -61,8 +64,10 @@ class Faults:
 class _Input:
     """One number that has faults: ``clean`` is what it would receive."""
 
-    def __init__(self, faulty: Faulty, schedule: Schedule, view: Any) -> None:
-        self._view, self._place = view, faulty.place
+    def __init__(
+        self, faulty: Faulty, schedule: Schedule, view: Any, number: type[float]
+    ) -> None:
+        self._view, self._place, self._number = view, faulty.place, number
         self._there, self._back = faulty.affine, faulty.affine.inverse()
         self._clean: float = view[faulty.place]
         initial = self._ours(self._clean)
@@ -78,7 +83,7 @@ class _Input:
             value = self._clean  # not rounded there and back
         elif self._there.converts:
             value = self._there.gain * value + self._there.offset
-        self._view[self._place] = value
+        self._view[self._place] = self._number(value)
 
     def _ours(self, value: float) -> float:
         back = self._back

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
-from orchestrator.instances.instance import Instance
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.kept import held, refuse_changed
 from orchestrator.master.layout import Edge, Part, Wiring
 from orchestrator.master.order import initial_order

@@ -8,19 +8,21 @@ start values, also of inputs that nothing drives, not those of driven inputs.
 import logging
 from collections.abc import Sequence
 from itertools import groupby
+from typing import TypeAlias
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
-from orchestrator.instances.instance import Instance
+from orchestrator.fmu.typed import Held
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.layout import Part
 from orchestrator.warned import warn
 
 LOG = logging.getLogger("feeddrive")
 ROUNDED = 1e-6  # relative; by which an FMU may round, as single precision does
-Numbers = tuple[float, ...]
+Values: TypeAlias = tuple[Held, ...]
 
 
-def held(part: Part, instance: Instance) -> dict[str, Numbers]:
+def held(part: Part, instance: Instance) -> dict[str, Values]:
     """Return what an FMU now holds of each variable that was written."""
     variables = [variable for variable, _ in _written(part)]
     numbers = iter(instance.read(variables) if variables else [])
@@ -28,7 +30,7 @@ def held(part: Part, instance: Instance) -> dict[str, Numbers]:
 
 
 def refuse_changed(
-    part: Part, before: dict[str, Numbers], after: dict[str, Numbers]
+    part: Part, before: dict[str, Values], after: dict[str, Values]
 ) -> None:
     """Compare what was written with what was held ``before`` and ``after`` the end of
     the initialisation.
@@ -56,18 +58,20 @@ def refuse_changed(
             warn(f"{what}begins with {_text(after[name])}: an event at its start")
 
 
-def _written(part: Part) -> list[tuple[FmuVariable, Numbers]]:
+def _written(part: Part) -> list[tuple[FmuVariable, Values]]:
     """Return the last value written to each variable that nothing drives."""
     driven = {variable.name for variable in part.inputs}
     last = {v.name: (v, values) for v, values in part.start if v.name not in driven}
     return list(last.values())
 
 
-def _same(given: float, kept: float) -> bool:
-    return given == kept or abs(given - kept) <= ROUNDED * max(abs(given), abs(kept))
+def _same(given: Held, kept: Held) -> bool:
+    if given == kept or isinstance(given, str | bytes) or isinstance(kept, str | bytes):
+        return given == kept
+    return abs(given - kept) <= ROUNDED * max(abs(given), abs(kept))
 
 
-def _text(values: Sequence[float]) -> str:
+def _text(values: Sequence[Held]) -> str:
     runs = [(value, len(list(same))) for value, same in groupby(values)]
     some = [f"{v!r}" + (f" ({n} times)" if n > 1 else "") for v, n in runs]
     return ", ".join(some[:6]) + (", ..." if len(some) > 6 else "")

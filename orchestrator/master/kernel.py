@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.group import group_table
-from orchestrator.instances.instance import Instance
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
 from orchestrator.master.faults import Faults
 from orchestrator.master.layout import Part

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from orchestrator.fmu.description import Dtype, FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, Port
-from orchestrator.fmu.start_values import start_values
+from orchestrator.fmu.start_values import Written, start_values
 from orchestrator.instants import Instants
 from orchestrator.master.places import Copy
 from orchestrator.system import Component, Fault, Kind, System
@@ -49,7 +49,7 @@ class Part:
     raw: int
     published: int
     delayed: int
-    start: tuple[tuple[FmuVariable, tuple[float, ...]], ...]
+    start: tuple[Written, ...]
     copies: tuple[Copy, ...]
 
     @property

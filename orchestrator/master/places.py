@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import Dtype, FmuVariable
 from orchestrator.fmu.ports import Affine
+from orchestrator.fmu.typed import Held
 
 Views: TypeAlias = Mapping[Dtype, Any]
 RANGES = {"int64": (-(2**63), 2**63 - 1), "uint64": (0, 2**64 - 1)}
@@ -32,7 +33,7 @@ def store(
     vector: NDArray[np.float64],
     first: int,
     variables: Sequence[FmuVariable],
-    values: Sequence[float],
+    values: Sequence[Held],
 ) -> None:
     """Put the numbers of variables, one after the other, into the vector."""
     seen, taken = views(vector), iter(values)

@@ -27,10 +27,11 @@ from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.structure import sized
 from orchestrator.instances.ending import Ended
-from orchestrator.instances.instance import Instance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
@@ -163,7 +164,7 @@ def _engine(
 def plan(system: System) -> Timetable:
     """Check a system completely and return its timetable, without running it."""
     wiring: Wiring = wire(
-        system, {name: read_fmu(c.fmu) for name, c in system.components.items()}
+        system, {n: sized(read_fmu(c.fmu), c) for n, c in system.components.items()}
     )
     timetable = Timetable(wiring)
     _ = timetable.schedule, timetable.order

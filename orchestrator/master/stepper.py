@@ -9,12 +9,16 @@ from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.ports import Port, ports
 from orchestrator.fmu.start_values import start_values
+from orchestrator.fmu.structure import sized
+from orchestrator.fmu.typed import held
 from orchestrator.master.simulate import open_instance
 from orchestrator.quantity import parse_period
 from orchestrator.system import Component, Value
@@ -35,14 +39,15 @@ class Stepper:
     def __init__(
         self, path: str | Path, values: Mapping[str, Value] | None = None
     ) -> None:
-        self.description: FmuDescription = read_fmu(path)
+        described = read_fmu(path)
         self.time = Fraction(0)
-        component = Component(
-            self.description.path.stem,
-            self.description.path,
-            self.description.period or Fraction(1),
+        component = self._component = Component(
+            described.path.stem,
+            described.path,
+            described.period or Fraction(1),
             start=dict(values or {}),
         )
+        self.description: FmuDescription = sized(described, component)
         written = start_values(component, self.description)
         with ExitStack() as stack:
             self._instance = open_instance(
@@ -61,15 +66,21 @@ class Stepper:
 
     def __setitem__(self, name: str, value: Value) -> None:
         variable = self.description[name]
-        numbers = value if isinstance(value, tuple) else (value,)
-        if len(numbers) != variable.size:
+        given = value if isinstance(value, tuple) else (value,)
+        if len(given) != variable.size:
             raise ScenarioError(
-                f"{self.description.path}: {name} takes {variable.size} numbers, "
-                f"not {len(numbers)}"
+                f"{self.description.path}: {name} takes {variable.size} values, "
+                f"not {len(given)}"
             )
-        self._instance.write([variable], [float(number) for number in numbers])
+        major, found = self.description.fmi_major, self._ports(name)
+        pairs = zip(found, given, strict=True)
+        values = [held(name, port, one, major) for port, one in pairs]
+        self._instance.write([variable], values)
 
-    def __getitem__(self, name: str) -> float | tuple[float, ...]:
+    def _ports(self, name: str) -> list[Port]:
+        return ports(self._component, self.description, name)
+
+    def __getitem__(self, name: str) -> Any:
         found = self._instance.read([self.description[name]])
         return found[0] if len(found) == 1 else tuple(found)
 

@@ -55,10 +55,12 @@ def _held(
         for port in ports(component, fmu, ours.get(name, name)):
             v = port.variable
             free = (component.name, v.name, port.element) not in driven
-            if free and v.sort != "string":
-                numbers = written.get(v.name, declared(v))
-                affine = port.to_ours
-                value = affine.gain * numbers[port.element] + affine.offset
+            if free and not v.is_text:
+                numbers = written.get(v.name) or declared(v) or [0.0] * v.size
+                value, affine = numbers[port.element], port.to_ours
+                assert isinstance(value, float | int)
+                if affine.converts:
+                    value = affine.gain * value + affine.offset
                 given = v.name in written
                 yield Undriven(port.full_name, value, str(port.unit or "1"), given)
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, connection, ports
+from orchestrator.fmu.typed import held
 from orchestrator.master.layout import (
     Column,
     Edge,
@@ -20,7 +21,7 @@ from orchestrator.master.layout import (
     Wiring,
     kind_of,
 )
-from orchestrator.system import Component, System, split_name
+from orchestrator.system import Component, Fault, System, split_name
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
 
@@ -34,15 +35,24 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     for name, component in system.components.items():
         _check_component(system, component, fmus[name])
     links, notes, warnings = _links(system, fmus)
+    for name, component in system.components.items():
+        warnings += _experiment_notes(component, fmus[name])
     recorded = {
         name: _ports_of(system, fmus, name, f"record.{name!r}")
         for name in system.record
     }
-    warnings += [
-        d for found in recorded.values() for port in found for d in port.doubts
-    ]
+    for name, found in recorded.items():
+        for port in found:
+            if port.variable.is_text:
+                raise WiringError(
+                    f"record.{name!r}: {port.full_name} is {port.variable.kind}, and "
+                    f"texts are not recorded; remove it from [record]"
+                )
     layout = Layout(system, fmus, links, recorded)
     parts = {name: layout.part(name) for name in system.components}
+    taken = [port for found in recorded.values() for port in found]
+    taken += _written(system, fmus)
+    warnings += [doubt for port in taken for doubt in port.doubts]
     edges = tuple(
         Edge(s.component, s.variable.name, t.component, t.variable.name)
         for s, t, _ in links
@@ -62,6 +72,16 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         tuple(dict.fromkeys(warnings)),
         tuple(_faulty(system, fmus, layout)),
     )
+
+
+def _written(system: System, fmus: Mapping[str, FmuDescription]) -> list[Port]:
+    """Return the numbers that are written before the run."""
+    return [
+        port
+        for name, component in system.components.items()
+        for variable in (*component.parameters, *component.start)
+        for port in ports(component, fmus[name], variable)
+    ]
 
 
 def _faulty(
@@ -96,8 +116,23 @@ def _faulty(
                     f"{where}: {port.full_name} is {port.variable.sort}, which has no "
                     f"{' or '.join(sorted(kinds))}; use stuck, delay or override"
                 )
+            _refuse_override(where, port, faults, fmus[port.component])
             place = layout.input_at[key] + port.element
             yield Faulty(edge, place, port.variable.dtype, port.to_theirs, faults)
+
+
+def _refuse_override(
+    where: str, port: Port, faults: Sequence[Fault], fmu: FmuDescription
+) -> None:
+    """Refuse a value that the input does not take, and a scaled 64-bit integer."""
+    for fault in faults:
+        if fault.kind == "override":
+            held(f"{where}.value", port, fault.value, fmu.fmi_major)
+    if port.variable.dtype != "float64" and port.to_theirs.converts:
+        raise WiringError(
+            f"{where}: {port.full_name} is a 64-bit integer that a map scales, on "
+            f"which no fault acts; remove the gain of the map"
+        )
 
 
 def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
@@ -160,6 +195,24 @@ def _refuse_no_multiple(where: str, c: Component, fmu: FmuDescription) -> None:
         )
 
 
+def _experiment_notes(c: Component, fmu: FmuDescription) -> Iterator[str]:
+    """Yield what of an FMU's default experiment the component does otherwise."""
+    step = fmu.default_step
+    if step and not fmu.variable_step and fmu.kind is None:
+        ratio = float(c.period) / step
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > ROUNDED * ratio:
+            yield (
+                f"components.{c.name}.step = {float(c.period):g} s is no multiple of "
+                f"{step:g} s, by which {fmu.path.name} steps as it says (equal steps "
+                f"only, DefaultExperiment stepSize); its results may lag"
+            )
+    if fmu.default_start:
+        yield (
+            f"{c.name}: the experiment of {fmu.path.name} starts at "
+            f"{fmu.default_start:g} s, here it starts at 0"
+        )
+
+
 def _links(
     system: System, fmus: Mapping[str, FmuDescription]
 ) -> tuple[list[Link], list[str], list[str]]:
@@ -172,10 +225,13 @@ def _links(
         targets = _ports_of(system, fmus, sink, where)
         origins = _ports_of(system, fmus, source, where)
         for origin, target in _pairs(origins, targets, where):
-            if target.variable.causality != "input":
+            v = target.variable
+            tunable = v.causality == "parameter" and v.variability == "tunable"
+            if v.causality != "input" and not tunable:
                 raise WiringError(
-                    f"{where}: {target.full_name} is no input but a "
-                    f"{target.variable.causality}; inputs of {target.component}: "
+                    f"{where}: {target.full_name} is no input and no tunable "
+                    f"parameter but a {v.variability} {v.causality}; inputs of "
+                    f"{target.component}: "
                     f"{', '.join(fmus[target.component].inputs) or 'none'}"
                 )
             key = (target.component, target.variable.name, target.element)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuVariable
+from orchestrator.fmu.start_values import Written
 from orchestrator.master.layout import Column, Wiring
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.peers.environment import (
@@ -221,11 +222,11 @@ def peer_job(wiring: Wiring) -> dict[str, Any]:
     }
 
 
-def _scalar(
-    start: tuple[FmuVariable, tuple[float, ...]],
-) -> tuple[FmuVariable, tuple[float, ...]]:
-    if start[0].shape:
-        raise ScenarioError(f"{start[0].name}: the other tools take no FMI 3 arrays")
+def _scalar(start: Written) -> Written:
+    if start[0].shape or start[0].is_text:
+        raise ScenarioError(
+            f"{start[0].name}: the other tools take no FMI 3 arrays and no texts"
+        )
     return start
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.units import BaseUnit
 from orchestrator.evaluation.compared import taken
 from orchestrator.evaluation.metrics import scaled
 from orchestrator.evaluation.schema import (
@@ -22,11 +23,13 @@ from orchestrator.evaluation.schema import (
 from orchestrator.quantity import converter
 from orchestrator.report.limits import Limit, limits
 from orchestrator.system import split_name
+from orchestrator.unit import told, unit_of
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
 
 Array: TypeAlias = NDArray[np.float64]
+Meaning: TypeAlias = tuple[str, BaseUnit | None]
 
 _LARGE = {"um": (1e4, "mm"), "mm": (1e4, "m"), "us": (1e4, "ms")}
 
@@ -58,11 +61,11 @@ class Panel:
 
 def panels(runs: "Sequence[Run]") -> Iterable[Panel]:
     """Return the panels of a report; runs share the panels of equal meaning."""
-    merged: dict[tuple[str, str], Panel] = {}
+    merged: dict[tuple[str, Meaning], Panel] = {}
     for number, (run, name) in enumerate(zip(runs, names_of(runs), strict=True)):
         label = f"{name}: " if len(runs) > 1 else ""
-        own = {(p.title, p.unit): p for p in _tracking(run, number, label)}
-        own |= {("", p.unit): p for p in _others(run, number, label)}
+        own = {(p.title, _meaning(p.unit)): p for p in _tracking(run, number, label)}
+        own |= {("", _meaning(p.unit)): p for p in _others(run, number, label)}
         for key, panel in own.items():
             known = merged.setdefault(key, Panel(panel.title, panel.unit))
             drawn = known.curves
@@ -131,12 +134,13 @@ def _others(run: "Run", number: int, label: str) -> Iterable[Panel]:
         if isinstance(metric, ErrorMetric)
         for signal in metric.signals().values()
     }
-    by_unit: dict[str, list[str]] = {}
+    by_unit: dict[Meaning, list[str]] = {}
     order = {name: place for place, name in enumerate(run.composition.system.record)}
     for name in sorted(run, key=lambda n: order.get(n.partition("[")[0], len(order))):
         if name not in taken:
-            by_unit.setdefault(run[name].unit, []).append(name)
-    for unit, names in by_unit.items():
+            by_unit.setdefault(_meaning(run[name].unit), []).append(name)
+    for names in by_unit.values():
+        unit = run[names[0]].unit
         panel = Panel(_title(run, names, unit), unit)
         for name in names:
             signal = run[name]
@@ -159,4 +163,9 @@ def _title(run: "Run", names: Sequence[str], unit: str) -> str:
         component, variable = split_name(names[0])
         known = run.composition.fmus[component].variables.get(variable)
         return known.description if known and known.description else names[0]
-    return "other signals" if unit == "1" else f"signals in {unit}"
+    return "other signals" if unit == "1" else f"signals in {told(unit_of(unit))}"
+
+
+def _meaning(unit: str) -> Meaning:
+    """Return what tells units apart that two FMUs call by one name."""
+    return str(unit), unit_of(unit).base

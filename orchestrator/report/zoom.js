@@ -6,7 +6,8 @@
   const BUCKETS = 1500, MARKED = 250;
   const plot = document.getElementById("signals");
   const told = document.getElementById("drawn");
-  const stored = JSON.parse(document.getElementById("recorded").textContent);
+  const { curves: stored, coarse } = JSON.parse(
+    document.getElementById("recorded").textContent);
   const number = (n) => n.toLocaleString("en-US");
 
   async function decoded(text, n) {
@@ -63,7 +64,7 @@
   }
 
   /* Draw what `axis` shows; all time axes show the same. */
-  async function draw(curves, axis) {
+  function draw(curves, axis) {
     const { autorange, range } = plot.layout[axis];
     const [from, to] = autorange === false ? range : [-Infinity, Infinity];
     const drawn = curves.map((curve) => thinned(curve, from, to));
@@ -74,34 +75,37 @@
       autorange === false
         ? [[`${key}.range`, [from, to]], [`${key}.autorange`, false]]
         : [[`${key}.autorange`, true]]);
-    await Plotly.update(
+    Plotly.update(
       plot,
       { x: curves.map(taken("x")), y: curves.map(taken("y")), mode: drawn.map(few) },
       Object.fromEntries(view),
       curves.map((curve) => curve.trace),
     );
     const most = Math.max(...drawn.map((d) => d.count));
-    const coarse = curves.filter((c) => c.of > c.n).map((c) => ` ${c.said}`);
     told.textContent =
       (most <= 2 * BUCKETS
-        ? `Every point in view is drawn, at most ${number(most)} of a curve.`
+        ? `Every point ${coarse && "of the page "}in view is drawn, at most ` +
+          `${number(most)} of a curve.`
         : `Drawn of a curve: the least and the greatest of each of ${number(BUCKETS)} ` +
           `stretches of up to ${number(most)} points in view; zoom in to see every one.`) +
-      coarse.join("");
+      coarse;
   }
 
+  if (!stored.length) return;
   if (!("DecompressionStream" in window)) {
     told.textContent += " This browser cannot show more when zooming.";
     return;
   }
   const curves = await Promise.all(stored.map(read));
-  let drawing = false;
-  async function follow(change) {
+  let shown = "";
+  function follow(change) {
     const key = Object.keys(change).find((k) => /^xaxis\d*\.(auto)?range/.test(k));
-    if (drawing || !key) return;
-    drawing = true;
-    await draw(curves, key.split(".")[0]);
-    drawing = false;
+    if (!key) return;
+    const axis = key.split(".")[0], { autorange, range } = plot.layout[axis];
+    const view = autorange === false ? JSON.stringify(range) : "whole";
+    if (view === shown) return; /* drawing tells of the same view again */
+    shown = view;
+    draw(curves, axis);
   }
   plot.on("plotly_relayout", follow);
   follow({ "xaxis.autorange": true });

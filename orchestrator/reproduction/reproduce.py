@@ -159,15 +159,26 @@ def run_job(job: Job, folder: Path) -> dict[str, Quantity]:
 
 
 def _designed(done: "Run") -> dict[str, Quantity]:
-    """Return what the design steps found, as figures ``design.<step>.<name>``."""
+    """Return what the design steps found, as figures ``design.<step>.<name>``.
+
+    Elements of an array are called ``<name>[1]`` and so forth.
+    """
     composition = done.composition
-    return {
-        f"design.{step}.{name}": composition.parameter(f"{component}.{name}")
-        for step, result in composition.designs.items()
-        for component in composition.scenario.spec.design[step].sets
-        for name in result.values
-        if name in composition.fmus[component].variables
-    }
+    found: dict[str, Quantity] = {}
+    for step, result in composition.designs.items():
+        for component in composition.scenario.spec.design[step].sets:
+            variables = composition.fmus[component].variables
+            for name, value in result.values.items():
+                figure, parameter = f"design.{step}.{name}", f"{component}.{name}"
+                if isinstance(value, tuple | list):
+                    unit = composition.unit(parameter)
+                    found |= {
+                        f"{figure}[{i}]": Quantity(float(element), unit)
+                        for i, element in enumerate(value, 1)
+                    }
+                elif name in variables:
+                    found[figure] = composition.parameter(parameter)
+    return found
 
 
 def _value(

@@ -19,6 +19,7 @@ from orchestrator.errors import (
     did_you_mean,
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.structure import sized
 from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantity import Quantity
 from orchestrator.result import Result
@@ -90,6 +91,10 @@ class Composition:
         """
         return self._values[0].unit(name)
 
+    def refuse_text(self, name: str) -> None:
+        """Raise ``ScenarioError`` if a variable holds texts, which have no figure."""
+        self._values[0].refuse_text(name)
+
 
 def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     """Return the system a scenario describes.
@@ -109,7 +114,12 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
 def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     spec = scenario.spec
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
-    fmus = {name: read_fmu(found.path) for name, found in located.items()}
+    fmus = {
+        name: sized(
+            read_fmu(found.path), component_of(name, spec.components[name], found, {})
+        )
+        for name, found in located.items()
+    }
     digests = {name: digest(found.path) for name, found in located.items()}
     _refuse_other_content(scenario, digests)
     nominal = _nominal(scenario)
@@ -129,8 +139,10 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     connections, constants = open_connections(spec, components, fmus)
     refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
-        start = {**components[name].start, **values}
-        components[name] = replace(components[name], start=start)
+        own = components[name]
+        rest = {k: v for k, v in own.parameters.items() if k not in values}
+        start = {**own.start, **values}
+        components[name] = replace(own, parameters=rest, start=start)
     system = System(
         name=scenario.name,
         stop=spec.stop,

@@ -22,7 +22,7 @@ from orchestrator.errors import DesignError, FeedDriveError, did_you_mean
 from orchestrator.result import Signal
 from orchestrator.scenario.design_cache import remembered
 from orchestrator.scenario.moved import refusal
-from orchestrator.scenario.schema import DesignSpec, parse_value
+from orchestrator.scenario.schema import DesignSpec, in_floats, parse_value
 from orchestrator.system import Value
 
 Lookup: TypeAlias = Callable[[str], Value]
@@ -150,7 +150,7 @@ def _of_record(record: Any) -> dict[str, Any]:
 
 def _argument(value: Any, lookup: Lookup) -> Any:
     if isinstance(value, str) and "." in value:
-        value = lookup(value)
+        value = in_floats(lookup(value))
     return np.array(value) if isinstance(value, tuple) else value
 
 

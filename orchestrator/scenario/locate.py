@@ -94,4 +94,6 @@ def component_of(
     fmu = read_fmu(found.path)
     parameters = in_own_units(component, fmu, "parameters", spec.parameters)
     start = in_own_units(component, fmu, "start", spec.start)
-    return replace(component, parameters={**designed, **parameters}, start=start)
+    given = {**designed, **parameters}  # one table with start, which comes last
+    parameters = {key: v for key, v in given.items() if key not in start}
+    return replace(component, parameters=parameters, start=start)

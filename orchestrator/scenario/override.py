@@ -10,7 +10,8 @@
     record.component.variable   connections.component.input   (false: leave it out)
 
 ``component.parameters.name`` and ``component.start.name`` reach a variable
-whose name is one of the component's own keys.  Whether a parameter exists is
+whose name is one of the component's own keys; both are one table, in which the last
+value of a name holds.  Whether a parameter exists is
 known when the scenario is composed, from the FMU's variables.
 """
 
@@ -138,6 +139,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
     component.setdefault(table, {})[name] = value
+    component.get("start" if table == "parameters" else "parameters", {}).pop(name, 0)
 
 
 def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:

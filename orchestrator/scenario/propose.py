@@ -9,6 +9,7 @@ said in the line's comment.
 
 import json
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
@@ -18,7 +19,7 @@ import numpy as np
 from fmus.units import UnitError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.scenario.pulse import Measured, Subject, measure, signs
-from orchestrator.system import System, split_name
+from orchestrator.system import Component, System, split_name
 from orchestrator.unit import conversion
 
 LEAST = 1.0  # points below which two variables have nothing in common
@@ -38,6 +39,14 @@ class Proposed:
     doubts: tuple[str, ...] = ()
     gain: float | None = None
     measured: tuple[str, ...] = ()
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether name and sign are the same and the units convert by themselves."""
+        theirs = self.theirs
+        same = theirs is not None and theirs.name == self.ours.name
+        fits = theirs is None or _gain(self.ours, theirs) is not None
+        return same and self.gain in (None, 1.0) and (fits or self.ours.unit is None)
 
     def to_toml(self) -> str:
         """Return the line of a map, with what speaks for and against it."""
@@ -74,24 +83,9 @@ def _prefixes(name: str) -> list[str]:
     return [name, *(name[:end] for end in ends)]
 
 
-def names_to_map(
-    system: System, component: str, ours: FmuDescription, theirs: FmuDescription
-) -> tuple[list[str], list[str]]:
-    """Return the names that another FMU lacks: those in use, and those that may help.
-
-    In use is what is connected, recorded or set; of help are our other inputs and
-    our parameters.
-    """
-    part = system.components[component]
-    used = [*used_names(system, component), *part.parameters, *part.start]
-    wanted = missing_names(list(dict.fromkeys(used)), theirs)
-    others = [n for n in ours.inputs if n not in wanted]
-    others += [
-        n
-        for n, v in ours.variables.items()
-        if v.causality == "parameter" and v.size == 1 and n not in wanted
-    ]
-    return wanted, missing_names(others, theirs)
+def lacking(system: System, component: str, theirs: FmuDescription) -> list[str]:
+    """Return the names that a system connects or records and another FMU has not."""
+    return missing_names(used_names(system, component), theirs)
 
 
 def propose(
@@ -107,10 +101,11 @@ def propose(
     free = (v for v in theirs.variables.values() if v.name not in taken)
     offered = [v for v in free if v.variability != "constant"]
     points = np.zeros((len(wanted), len(offered)))
+    places = _places(ours), _places(theirs)
     for i, mine in enumerate(wanted):
         for j, other in enumerate(offered):
-            places = _place(ours, mine), _place(theirs, other)
-            points[i, j] = _points(mine, other) - 0.2 * abs(places[0] - places[1])
+            apart = abs(places[0][mine.name] - places[1][other.name])
+            points[i, j] = _points(mine, other) - 0.2 * apart
     rows, columns = linear_sum_assignment(points, maximize=True)
     chosen = dict(zip(rows.tolist(), columns.tolist(), strict=True))
     found = []
@@ -128,34 +123,49 @@ def propose(
 
 def proposal(
     original: System, component: str, ours: FmuDescription, theirs: FmuDescription
-) -> tuple[list[str], str]:
-    """Return the names in use that another FMU lacks, and the map that is proposed.
+) -> str:
+    """Return the map that is proposed, as TOML.
 
-    Both FMUs are run alone for as long as a pulse takes.
+    First the names in use, then what is set, our other inputs and parameters.  Both
+    FMUs are run alone for as long as a pulse takes; a name that both have is listed
+    where its sign or unit differs.
     """
-    wanted, others = names_to_map(original, component, ours, theirs)
-    found = propose(wanted, ours, theirs)
-    taken = {line.theirs.name for line in found if line.theirs}
-    found += propose(others, ours, theirs, taken)
     part = original.components[component]
-    pairs = [(p.ours, p.theirs) for p in found if p.theirs and p.ours.size == 1]
-    inputs = [
-        (mine, other, 1 / (_gain(mine, other) or 1.0))
-        for mine, other in pairs
-        if mine.causality == "input" and mine.sort == "real"
-    ]
-    outputs = [
-        (mine, other)
-        for mine, other in pairs
-        if mine.causality == "output" and mine.sort == "real"
-    ]
+    used = used_names(original, component)
+    known = [n for n, v in ours.variables.items() if v.causality == "parameter"]
+    helpful = [*part.parameters, *part.start, *ours.inputs, *known]
+    both = [n for n in dict.fromkeys((*used, *helpful)) if n in ours.variables]
+    found = [Proposed(ours[n], theirs[n]) for n in both if n in theirs.variables]
+    for names in (used, [n for n in dict.fromkeys(helpful) if n not in used]):
+        taken = {line.theirs.name for line in found if line.theirs}
+        found += propose(missing_names(names, theirs), ours, theirs, taken)
+    found = with_measured(found, _measured(part, ours, theirs, found))
+    told = [line for line in found if line.theirs or line.ours.name in used]
+    return to_toml(told, theirs)
+
+
+def _measured(
+    part: Component,
+    ours: FmuDescription,
+    theirs: FmuDescription,
+    proposed: Sequence[Proposed],
+) -> list[Measured]:
     subjects = (
         Subject(ours, part.period, {**part.parameters, **part.start}),
         Subject(theirs, part.period, {}),
     )
-    found = with_measured(found, measure(*subjects, inputs, outputs))
-    told = [p for p in found if p.theirs or p.ours.name in wanted]
-    return wanted, to_toml(told, theirs)
+    pairs = [
+        (line.ours, line.theirs)
+        for line in proposed
+        if line.theirs and line.ours.size == 1 and line.ours.sort == "real"
+    ]
+    inputs = [
+        (mine, other, 1 / (_gain(mine, other) or 1.0))
+        for mine, other in pairs
+        if mine.causality == "input"
+    ]
+    outputs = [pair for pair in pairs if pair[0].causality == "output"]
+    return measure(*subjects, inputs, outputs)
 
 
 def with_measured(
@@ -198,7 +208,7 @@ def to_toml(proposed: Sequence[Proposed], theirs: FmuDescription | None = None) 
 
     With the foreign FMU also its inputs that are none of ours, to be given a value.
     """
-    lines = [line.to_toml() for line in proposed]
+    lines = [line.to_toml() for line in proposed if not line.is_plain]
     taken = {line.theirs.name for line in proposed if line.theirs}
     for v in theirs.variables.values() if theirs else ():
         if v.causality == "input" and v.name not in taken and v.sort != "string":
@@ -212,9 +222,14 @@ def _members(fmu: FmuDescription, name: str) -> list[FmuVariable]:
     return [v for n, v in fmu.variables.items() if name in _prefixes(n)]
 
 
-def _place(fmu: FmuDescription, variable: FmuVariable) -> int:
-    alike = [v for v in fmu.variables.values() if v.causality == variable.causality]
-    return alike.index(variable)
+def _places(fmu: FmuDescription) -> dict[str, int]:
+    """Return the number of every variable among those of its causality."""
+    counts: Counter[str] = Counter()
+    found = {}
+    for name, variable in fmu.variables.items():
+        found[name] = counts[variable.causality]
+        counts[variable.causality] += 1
+    return found
 
 
 def _points(ours: FmuVariable, theirs: FmuVariable) -> float:
@@ -239,11 +254,12 @@ def _points(ours: FmuVariable, theirs: FmuVariable) -> float:
 
 def _may_be_one(ours: FmuVariable, theirs: FmuVariable) -> bool:
     """Tell whether two parameters have more in common than being parameters."""
-    units = _gain(ours, theirs) is not None or (ours.unit, theirs.unit) == (None, None)
+    if ours.causality != theirs.causality:
+        return False
+    if _gain(ours, theirs) is None and (ours.unit or theirs.unit):
+        return False
     alike = SequenceMatcher(None, ours.name.lower(), theirs.name.lower()).ratio()
-    described = _common(ours.description, theirs.description)
-    both = ours.causality == theirs.causality
-    return both and units and max(alike, described) > 0.3
+    return max(alike, _common(ours.description, theirs.description)) > 0.3
 
 
 def _gain(ours: FmuVariable, theirs: FmuVariable) -> float | None:

@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import FeedDriveError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.start_values import start_values
 from orchestrator.master.stepper import Stepper
-from orchestrator.system import Value
+from orchestrator.scenario.compose import Composition
+from orchestrator.system import Component, Value, split_name
 
 STEPS = 40
 SIZES = (1.0, 10.0, 100.0, 1000.0)  # in our unit, until both answer
@@ -87,6 +90,66 @@ def measure(
     except FeedDriveError:
         return found
     return found
+
+
+def answers(before: Composition, after: Composition, component: str) -> list[Measured]:
+    """Return how a swapped component answers what drives it, beside the original.
+
+    Names and ratios are ours, in our units: 1 is the same, below 0 reversed.
+    """
+    old, new = (_Side.of(composition, component) for composition in (before, after))
+    ends = before.system.connections
+    driven = [n for owner, n in map(split_name, ends) if owner == component]
+    sources = (*ends.values(), *before.system.record)
+    read = dict.fromkeys(n for o, n in map(split_name, sources) if o == component)
+    pairs = {n: (a, b) for n in (*driven, *read) if (a := old[n]) and (b := new[n])}
+    ours = {a.variable.name: name for name, (a, _) in pairs.items()}
+    inputs = [
+        (a.variable, b.variable, b.to_theirs.gain / a.to_theirs.gain)
+        for name, (a, b) in pairs.items()
+        if name in driven
+    ]
+    outputs = [
+        (a.variable, b.variable)
+        for a, b in pairs.values()
+        if a.variable.causality == b.variable.causality == "output"
+    ]
+    found = []
+    for one in measure(old.subject, new.subject, inputs, outputs):
+        name = ours[one.output]
+        a, b = pairs[name]
+        ratio = one.ratio * b.to_ours.gain / a.to_ours.gain
+        ends_of = f"{component}.{ours[one.input]}", f"{component}.{name}"
+        found.append(Measured(*ends_of, ratio, one.likeness))
+    return found
+
+
+@dataclass(frozen=True)
+class _Side:
+    """A component of one composition."""
+
+    component: Component
+    fmu: FmuDescription
+
+    @classmethod
+    def of(cls, composition: Composition, name: str) -> "_Side":
+        return cls(composition.system.components[name], composition.fmus[name])
+
+    @property
+    def subject(self) -> Subject:
+        values: dict[str, Value] = {}
+        for variable, written in start_values(self.component, self.fmu):
+            numbers = tuple(n for n in written if not isinstance(n, bytes))
+            if numbers:
+                values[variable.name] = numbers if len(numbers) > 1 else numbers[0]
+        return Subject(self.fmu, self.component.period, values)
+
+    def __getitem__(self, name: str) -> Port | None:
+        """Return the one real number that a name stands for."""
+        found = ports(self.component, self.fmu, name)
+        return (
+            found[0] if len(found) == 1 and found[0].variable.sort == "real" else None
+        )
 
 
 def signs(measured: Sequence[Measured]) -> dict[str, float]:

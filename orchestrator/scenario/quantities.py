@@ -20,9 +20,9 @@ def in_own_units(
     component: Component,
     fmu: FmuDescription,
     table: str,
-    values: Mapping[str, Value | str],
+    values: Mapping[str, Value],
 ) -> dict[str, Value]:
-    """Return the values of a component's table as numbers.
+    """Return the values of a component's table, quantities as numbers.
 
     Raises:
         ScenarioError: a text is no number with a unit, or does not fit the variable.
@@ -37,11 +37,13 @@ def in_own_units(
 
 def _number(
     component: Component, fmu: FmuDescription, table: str, name: str, text: str
-) -> float:
+) -> float | str:
     where = f'{table}.{name} = "{text}"'
     try:
-        given = parse_quantity(text)
-        unit = ports(component, fmu, name)[0].unit
+        port = ports(component, fmu, name)[0]
+        if port.variable.is_text or port.variable.declared.items:
+            return text  # of its own type
+        given, unit = parse_quantity(text), port.unit
     except (ValueError, WiringError) as error:
         raise ScenarioError(f"{where}: {error}") from None
     if unit is None:

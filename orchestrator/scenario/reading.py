@@ -242,6 +242,7 @@ def _layers(file: Path, heirs: tuple[Path, ...]) -> dict[Path, dict[str, Any]]:
 
 def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
     merged = _merge(base, layer)
+    _last_values(merged, layer)
     for table in REMOVABLE:
         entries = merged.get(table)
         if not isinstance(entries, dict):
@@ -251,6 +252,19 @@ def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any
         if table == "components":
             _detach(merged, gone, layer)
     return merged
+
+
+def _last_values(merged: dict[str, Any], layer: Mapping[str, Any]) -> None:
+    """Keep of parameters and start, which are one table, what the layer says last."""
+    components = layer.get("components", {})
+    for name, own in components.items() if isinstance(components, dict) else ():
+        for table, other in (TABLES, TABLES[::-1]):
+            new = own.get(table) if isinstance(own, dict) else None
+            old = isinstance(own, dict) and merged["components"][name].get(other)
+            if isinstance(new, dict) and isinstance(old, dict):
+                kept = {*own.get(other, {})} | {*old} - {*new}
+                rest = {key: value for key, value in old.items() if key in kept}
+                merged["components"][name][other] = rest
 
 
 def _detach(

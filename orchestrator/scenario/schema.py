@@ -10,8 +10,9 @@ at several rates: ``"plant.x_2" = ["20 kHz", "1 kHz"]``.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
+from math import isfinite
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -39,6 +40,8 @@ _RESERVED = (
 def parse_value(value: Any) -> Value:
     """Return the value of a parameter or state: number, switch or flat array.
 
+    Whole numbers stay such, of any size.
+
     Raises:
         ValueError: not a number, or not a finite one.
     """
@@ -47,16 +50,44 @@ def parse_value(value: Any) -> Value:
     if isinstance(value, list):
         try:
             array = np.array(value, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise ValueError(f"{value} is not an array of numbers") from None
         if not np.all(np.isfinite(array)):
             raise ValueError(f"{value} holds a number that is not finite")
-        return tuple(float(v) for v in array.ravel())
+        return tuple(parse_scalar(v) for v in _flat(value))
+    return parse_scalar(value)
+
+
+def parse_scalar(value: Any) -> float | bool:
+    """Return a single value.
+
+    Raises:
+        ValueError: not a number, true or false, or not a finite number.
+    """
+    if isinstance(value, bool):
+        return value
     if not isinstance(value, int | float):
         raise ValueError(f"{value!r} is not a number, true, false or an array")
-    if not np.isfinite(float(value)):
+    if isinstance(value, int):
+        return value
+    if not isfinite(value):
         raise ValueError(f"{value} is not a finite number")
     return float(value)
+
+
+def _flat(value: Any) -> Iterator[Any]:
+    if isinstance(value, list):
+        for one in value:
+            yield from _flat(one)
+    else:
+        yield value
+
+
+def in_floats(value: Value) -> Value:
+    """Return a value for a design function, whose whole numbers are floats too."""
+    if isinstance(value, tuple):
+        return tuple(v if isinstance(v, bool | str) else float(v) for v in value)
+    return value if isinstance(value, bool | str) else float(value)
 
 
 def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
@@ -68,13 +99,20 @@ def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def parse_setting(value: Any) -> Value | str:
-    """Return what a parameter or start is set to: a value, or a text as ``"8 kg"``.
+def parse_setting(value: Any) -> Value:
+    """Return what a parameter or start is set to: a value, or texts.
+
+    A text may be a quantity (``"8 kg"``), the item of an enumeration, a String.
 
     Raises:
         ValueError: it is neither.
     """
-    return value if isinstance(value, str) else parse_value(value)
+    if isinstance(value, str):
+        return value
+    texts = list(_flat(value)) if isinstance(value, list) else []
+    if texts and all(isinstance(text, str) for text in texts):
+        return tuple(texts)
+    return parse_value(value)
 
 
 def _source(value: Any) -> float | str | tuple[str, ...]:
@@ -82,17 +120,16 @@ def _source(value: Any) -> float | str | tuple[str, ...]:
         return value
     if isinstance(value, list) and all(isinstance(v, str) for v in value):
         return tuple(value)
-    number = parse_value(value)
-    if isinstance(number, tuple):
+    if isinstance(value, list):
         raise ValueError("a constant source is one number")
-    return number
+    return parse_scalar(value)
 
 
 Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
-Number: TypeAlias = Annotated[Value | str, PlainValidator(parse_setting)]
+Number: TypeAlias = Annotated[Value, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
 
 
@@ -146,6 +183,15 @@ class ComponentSpec(Strict):
             return value
         return {k: {"name": v} if isinstance(v, str) else v for k, v in value.items()}
 
+    @model_validator(mode="after")
+    def _each_value_once(self) -> "ComponentSpec":
+        if twice := [name for name in self.parameters if name in self.start]:
+            raise ValueError(
+                f"{twice[0]} stands under parameters and under start, which are one "
+                f"table; remove one of the two"
+            )
+        return self
+
     @field_validator("offset")
     @classmethod
     def _not_before_zero(cls, value: Fraction) -> Fraction:
@@ -178,7 +224,8 @@ class DesignSpec(Strict):
     @classmethod
     def _arguments(cls, value: dict[str, Any]) -> dict[str, Any]:
         return {
-            k: v if isinstance(v, str) else parse_value(v) for k, v in value.items()
+            k: v if isinstance(v, str) else in_floats(parse_value(v))
+            for k, v in value.items()
         }
 
     @model_validator(mode="after")
@@ -192,7 +239,7 @@ class FaultSpec(Strict):
     """A fault of an input: its kind, number, and window [from, to) (s; always)."""
 
     kind: FaultKind
-    value: float | None = None
+    value: Annotated[float | None, PlainValidator(parse_scalar)] = None
     samples: int | None = Field(default=None, ge=1)
     window: Window | None = None
 
@@ -204,8 +251,6 @@ class FaultSpec(Strict):
             if given != (key == needed):
                 verb = "takes no" if given else "needs its"
                 raise ValueError(f"kind {self.kind!r} {verb} {key}")
-        if self.value is not None and not np.isfinite(self.value):
-            raise ValueError(f"value: {self.value} is not a finite number")
         if self.kind == "quantisation" and not (self.value or 0) > 0:
             raise ValueError("value: a quantum is greater than zero")
         if self.window is not None and self.window[0] < 0:

@@ -12,6 +12,7 @@ from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import ports
 from orchestrator.scenario.schema import Specification
 from orchestrator.system import Component, Value, split_name
+from orchestrator.warned import warn
 
 
 def open_connections(
@@ -64,7 +65,7 @@ def _open(
 ) -> Iterator[tuple[str, str | float]]:
     component, pattern = split_name(sink)
     sources = source if isinstance(source, tuple) else (source,)
-    inputs = names(components[component], fmus[component], "input")
+    inputs = _numbers(components[component], fmus[component], "input", sink)
     for name in inputs:
         star = _match(pattern, name)
         if star is None:
@@ -95,6 +96,25 @@ def names(component: Component, fmu: FmuDescription, causality: str) -> list[str
     return [theirs.get(name, name) for name in found]
 
 
+def _numbers(
+    component: Component, fmu: FmuDescription, causality: str, star: str
+) -> list[str]:
+    """Return the names a star may stand for; of texts that it leaves out it warns."""
+    theirs = {ours: mapped.name for ours, mapped in component.map.items()}
+    _, pattern = split_name(star)
+    found = []
+    for name in names(component, fmu, causality):
+        variable = fmu.variables[theirs.get(name, name)]
+        if not variable.is_text:
+            found.append(name)
+        elif _match(pattern, name) is not None:
+            warn(
+                f"{star!r} leaves out {component.name}.{name}, which is "
+                f"{variable.kind}: texts are set before a run and do not travel"
+            )
+    return found
+
+
 def _refuse_no_input(sink: str, component: Component, fmu: FmuDescription) -> None:
     _, variable = split_name(sink)
     for port in ports(component, fmu, variable):
@@ -122,7 +142,7 @@ def open_record(
         part = components[component]
         wanted = [pattern]
         if "*" in pattern:
-            outputs = names(part, fmus[component], "output")
+            outputs = _numbers(part, fmus[component], "output", variable)
             wanted = [n for n in outputs if _match(pattern, n) is not None]
             if not wanted:
                 raise WiringError(

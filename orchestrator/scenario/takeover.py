@@ -79,7 +79,9 @@ class Swap:
             unit = self._unit(name)
             if theirs is not None and unit is not None and mapped.unit is None:
                 try:
-                    yield name, self._in_unit(name, mapped, theirs, unit)
+                    found = self._in_unit(name, mapped, theirs, unit)
+                    if found != MapSpec(name=name):
+                        yield name, found
                 except UnitError as error:
                     if name in spec.map or name in self.used:
                         raise ScenarioError(
@@ -99,6 +101,7 @@ class Swap:
         self, name: str, mapped: MapSpec, theirs: FmuVariable, unit: Unit
     ) -> MapSpec:
         given = Affine(mapped.gain or 1.0, mapped.offset or 0.0)
+        doubts: tuple[str, ...] = ()
         if theirs.unit is None:
             if name in self.used and unit != "1":
                 warn(
@@ -108,15 +111,17 @@ class Swap:
                 )
             whole = given
         elif is_inward(theirs):
-            gain, offset, _ = conversion(unit, theirs.unit)
+            gain, offset, doubts = conversion(unit, theirs.unit)
             whole = Affine(gain, offset).then(given)
         else:
-            gain, offset, _ = conversion(theirs.unit, unit)
+            gain, offset, doubts = conversion(theirs.unit, unit)
             whole = given.then(Affine(gain, offset))
         if whole == Affine() and (theirs.unit, mapped.name) == (unit, name):
             return mapped
         if mapped.gain is None and mapped.offset is None and theirs.unit is not None:
             return mapped.model_copy(update={"unit": unit})
+        for doubt in doubts:
+            warn(f"components.{self.old.name}.map: {name}: {doubt}")
         found = {"gain": whole.gain, "offset": whole.offset, "unit": unit}
         return mapped.model_copy(update=found)
 

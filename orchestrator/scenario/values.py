@@ -6,6 +6,7 @@ from typing import TypeAlias
 from orchestrator.errors import ScenarioError, WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.start_values import declared_value
 from orchestrator.quantity import Quantity
 from orchestrator.system import Component, Value, split_name
 from orchestrator.unit import Unit, unit_of
@@ -33,7 +34,7 @@ class Values:
         """
         part, found, variable = self._find(name)
         designed = self.designed[part.name]
-        if variable in designed and variable not in part.parameters:
+        if variable in designed and variable not in part.values:
             return designed[variable]
         return _value(part, found, variable)
 
@@ -41,12 +42,23 @@ class Values:
         """Return the value and unit of a scalar ``component.parameter``.
 
         Raises:
-            ScenarioError: there is none, or it is an array.
+            ScenarioError: there is none, or it is an array or a text.
         """
         value = self.value(name)
         if isinstance(value, tuple):
             raise ScenarioError(f"{name} is an array; name one number")
+        if isinstance(value, str):
+            raise ScenarioError(f'{name} is the text "{value}"; name a number')
         return Quantity(float(value), self.unit(name))
+
+    def refuse_text(self, name: str) -> None:
+        """Raise ``ScenarioError`` if ``component.variable`` is a String or Binary."""
+        for port in self._find(name)[1]:
+            if port.variable.is_text:
+                raise ScenarioError(
+                    f"{name} is {port.variable.kind}, which is not recorded and has "
+                    f"no figure; name a number"
+                )
 
     def unit(self, name: str) -> Unit:
         """Return the unit of ``component.variable`` on our side, ``1`` without.
@@ -80,19 +92,19 @@ class Values:
 
 
 def _value(part: Component, found: list[Port], variable: str) -> Value:
-    for table in (part.parameters, part.start):
-        if variable in table:
-            return table[variable]
+    if variable in part.values:
+        return part.values[variable]
     values = tuple(_start(port) for port in found)
     return values[0] if len(values) == 1 else values
 
 
-def _start(port: Port) -> float:
-    words = (port.variable.start or "").split()
+def _start(port: Port) -> float | str:
+    words = port.variable.declared.starts
     if not words:
         raise ScenarioError(f"{port.full_name} has no start value in its FMU")
     word = words[port.element if len(words) > 1 else 0]
-    theirs = {"true": 1.0, "false": 0.0}.get(word)
-    theirs = float(word) if theirs is None else theirs
-    affine = port.to_ours
-    return affine.gain * theirs + affine.offset
+    if port.variable.is_text:
+        return word
+    theirs, affine = declared_value(port.variable, word), port.to_ours
+    assert not isinstance(theirs, str | bytes)
+    return affine.gain * theirs + affine.offset if affine.converts else theirs

@@ -3,15 +3,14 @@
 import sys
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pytest
 from broken import MISBEHAVES, MODES, pack
-from pydantic import BaseModel
+from every_metric import METRICS
 from systems import part, system
 
 from orchestrator.errors import SimulationError
-from orchestrator.evaluation.schema import MetricSpec
 from orchestrator.history.listing import entries
 from orchestrator.master.simulate import simulate
 from orchestrator.scenario.reading import scenario_from
@@ -21,29 +20,6 @@ from orchestrator.system import Component, Isolation
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="signals and limits of Linux"
 )
-MORE: dict[str, dict[str, Any]] = {
-    "error": {"against": "bad.u"},
-    "settling": {},
-    "sine": {"frequency_hz": 20, "against": "bad.u"},
-    "spectrum": {"frequency_hz": 20},
-    "onset": {"ramp": "bad.u", "piece": 0.01},
-    "step": {"height": 1.0, "band": 0.1},
-    "contour": {"across": "bad.u", "shape": "circle", "size": 1.0},
-    "sustained": {"level": "bad.u", "dwell": "1/50", "tail": "1/100", "span": 0.1},
-}
-
-
-def kinds() -> list[str]:
-    """Return every kind of metric there is."""
-    union: Any = get_args(MetricSpec)[0]
-    models: list[type[BaseModel]] = list(get_args(union))
-    fields = [get_args(model.model_fields["kind"].annotation) for model in models]
-    return [kind for literals in fields for kind in literals]
-
-
-METRICS = {
-    kind: {"kind": kind, "of": "bad.y", **MORE.get(kind, {})} for kind in kinds()
-}
 
 
 @pytest.fixture(scope="module")

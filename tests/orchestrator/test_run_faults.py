@@ -1,4 +1,7 @@
-"""After every fault a command ends with the right words and code, and cleans up."""
+"""After every fault a command ends with the right words and code, and cleans up.
+
+Every run here is to be judged by a metric of every kind: none masks its fault.
+"""
 
 import os
 import shutil
@@ -11,7 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import tomli_w
 from broken import MISBEHAVES, MODES, pack
+from every_metric import METRICS
 
 from orchestrator.result import Result
 
@@ -62,6 +67,8 @@ parameters = {{ mode = {MODES.index(mode)}, at = {at} }}
 {more}
 [record]
 "bad.y" = "1/1000"
+"bad.u" = "1/1000"
+{tomli_w.dumps({"metrics": METRICS})}
 """
         )
         command = [sys.executable, "-m", "orchestrator", "run", scenario.name]

@@ -101,7 +101,9 @@ def test_a_run_gives_signals_figures_checks_and_a_folder(drive, tmp_path):
     written = json.loads((tmp_path / "out/metrics.json").read_text())
     assert written == done.summary()
     keys = {"scenario", "stop", "metrics", "diverged", "timing", "result"}
-    assert set(written) == keys | {"number", "warnings", "executor", "ended"}
+    assert set(written) == keys | {
+        *("number", "warnings", "executor", "ended", "undriven", "not_taken_over")
+    }
     assert (written["warnings"], written["executor"]) == ([], "kernel")
     assert written["number"] is None
     assert written["diverged"] is None

@@ -16,11 +16,13 @@ from orchestrator.evaluation.compare import change
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import ErrorMetric, Expectation, PlainMetric
+from orchestrator.fmu.declared import Declared
 from orchestrator.fmu.description import FmuVariable, read_fmu
 from orchestrator.fmu.ports import connection, ports
+from orchestrator.master.wiring import wire
 from orchestrator.quantity import Quantity
 from orchestrator.result import Signal
-from orchestrator.system import Component, Mapped
+from orchestrator.system import Component, Mapped, System
 from orchestrator.unit import Unit, UnitNames, conversion, unit_of_fmu
 
 NOT_RAD = ("kg", "m", "s", "A", "K", "mol", "cd")
@@ -82,7 +84,7 @@ def fmu_of(tmp_path_factory):
             **{"name": name, "fmi_type": "Real", "reference": 0, "shape": ()},
             **{"causality": causality, "variability": "continuous", "initial": None},
             **{"unit": unit, "base_unit": unit and unit.base, "start": "0"},
-            **{"min": None, "max": None, "description": ""},
+            **{"min": None, "max": None, "description": "", "declared": Declared()},
         )
         units = {str(unit): unit.base} if unit and unit.base else {}
         fmu = replace(plain, variables={name: variable}, units=units)
@@ -226,6 +228,16 @@ def test_a_map_with_a_unit_converts_or_is_refused(fmu_of):
             ports(component, fmu, "y")
     component, fmu = fmu_of(length, map={"y": Mapped("x", 0.314, unit="rad")})
     assert ports(component, fmu, "y")[0].gain == 0.314
+
+
+def test_a_guess_in_the_map_of_what_is_written_is_told(fmu_of):
+    component, fmu = fmu_of(unit_of_fmu("rpm", None), "parameter")
+    component = replace(
+        component, map={"y": Mapped("x", unit="rad/s")}, parameters={"y": 1.0}
+    )
+    system = System("s", Fraction(1), {"c": component}, {}, {})
+    (warning,) = wire(system, {"c": fmu}).warnings
+    assert "components.c.map: x: the FMU names the unit rpm" in warning
 
 
 def test_names_mean_what_the_fmu_at_hand_says_then_another_then_our_table():

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from controllers.ball_screw_lpv import reference
+from controllers.synthesis.ball_screw_lpv import designs
 from controllers.synthesis.ball_screw_lpv.plants import hybrid, over_x, over_x_and_mass
 from controllers.synthesis.linearise import linearise
 from fmus.model import Model, leaves
@@ -15,6 +16,7 @@ from plants.ball_screw_lpv import hybrid as hybrid_plant
 from plants.ball_screw_lpv import lpv, lpv_mass, milling, motor_drive
 from plants.ball_screw_lpv._screw import Screw, matrices
 
+PAIR = ("k_track", "k_vib")
 FULL = {"x_c": (0.1, 0.6), "m_wor": (0.0, 100.0)}  # m, kg: ranges of fig. 3.8 to 3.10
 
 
@@ -139,6 +141,23 @@ def cutting() -> dict[str, float]:
         "K_re": 1e-3 * p.K_re,
         "tooth_pass": 2 * np.pi * p.n_hz * milling.TEETH,
     }
+
+
+def weights() -> dict[str, float]:
+    """Return the weights that the shipped designs were made with: gains in dB,
+    frequencies in rad/s, W_v in 1/V."""
+    track, vib = (designs.read(f"{name}.json")["design"]["weights"] for name in PAIR)
+    found = {"W_v.track": track["W_v"], "W_v.vib": vib["W_v"]}
+    orders = {"W_e": track["W_e"][3], "W_f": 1}
+    for name, weight in (("W_e", track["W_e"]), ("W_f", vib["W_f"])):
+        M_L, M_H, omega_b = weight[:3]
+        found |= {
+            f"{name}.M_L": 20 * float(np.log10(M_L)),
+            f"{name}.M_H": 20 * float(np.log10(M_H)),
+            f"{name}.omega_b": omega_b,
+            f"{name}.order": orders[name],
+        }
+    return found
 
 
 def move_time() -> dict[str, float]:

@@ -272,8 +272,9 @@ def test_a_stop_a_fixed_step_fmu_cannot_meet_names_the_nearest(
 
 def test_a_failed_run_ends_with_code_1_and_leaves_its_rows(feeddrive, drive):
     diverging = ("--set", "plant.m_12=1e-3", "--set", "stop=20")
-    result = feeddrive("run", drive, *diverging, "-o", "out")
+    result = feeddrive("run", drive, *diverging, "-o", "out", "--json")
     refused(result, "plant", code=1)
+    assert json.loads(result.stdout)["result"] == "out"
     assert list(Path("out/result").glob("*.arrows"))
 
 

@@ -140,6 +140,18 @@ def test_a_spectral_line_has_the_amplitude_of_its_sine():
     assert found["m.frequency"] == Quantity(pytest.approx(43.0, abs=0.3), "Hz")
 
 
+def test_the_strongest_line_of_a_band_is_found_between_the_lines():
+    f_1, f_2 = 43.37, 90.0  # the second is stronger, and outside
+    x = 0.5 * np.sin(2 * np.pi * f_1 * TIME) + np.sin(2 * np.pi * f_2 * TIME) + 2.0
+    metric = {"kind": "spectrum", "of": "plant.x", "band_hz": [20, 80]}
+    found = figures(metric, {"plant.x": signal(x)})
+    assert found["m.frequency"] == Quantity(pytest.approx(f_1, abs=0.05), "Hz")
+    assert found["m.amplitude"].value == pytest.approx(0.5, rel=0.2)
+    none = figures(metric, {"plant.x": signal(np.full(len(TIME), 2.0))})
+    assert isinstance(none["m.frequency"], NoValue)
+    assert "no line stands out from 20 to 80 Hz" in none["m.frequency"].why
+
+
 def test_per_divides_by_a_parameter_with_its_unit():
     signals = {"plant.x": signal(6.0, "um")}
     metric = {"kind": "peak", "of": "plant.x", "per": "rope.size", "unit": "um/V"}

@@ -29,6 +29,7 @@ parameters = { t_0 = 0 }
 [metrics]
 force = { kind = "peak", of = "snap.d_2" }
 """
+STUDY = "ball_screw_pole_placement"
 ENDLESS = ["--set", "stop=1e5", "--set", "snap.step=1/1000"]
 
 
@@ -104,6 +105,7 @@ def test_runs_says_what_is_under_way_interrupted_and_killed(here: Path) -> None:
     ]
     until(lambda: len([e for e in entries(RUNS) if e.reached]) == 2)
     assert {e.state for e in entries(RUNS)} == {"under way"}
+    assert all(len(Result(e.folder)["snap.d_2"]) > 1 for e in entries(RUNS))
     assert feeddrive("runs", "--remove", "1").exit_code == 2
     for process, how in zip(begun, (signal.SIGINT, signal.SIGKILL), strict=True):
         process.send_signal(how)
@@ -178,6 +180,18 @@ def test_members_of_a_comparison_are_no_entries(here: Path) -> None:
                 member.complete({"metrics": {}})
         place.complete({"runs": []})
     assert [(e.name, e.kind) for e in entries(RUNS)] == [("demo/1", "demo")]
+
+
+def test_demo_and_reproduce_are_one_entry_each(here: Path) -> None:
+    assert feeddrive("demo", "--json").exit_code == 0
+    only = ("--only", "mc_ppc.track_200.peak")
+    assert feeddrive("reproduce", STUDY, *only, "--json").exit_code == 0
+    found = {e.name: e for e in entries(RUNS)}
+    assert set(found) == {"demo/1", f"{STUDY}/reproduce/1"}
+    assert {e.state for e in found.values()} == {"complete"}
+    shown = feeddrive("runs").stdout
+    assert "tracking.peak 2.4903 um" in " ".join(shown.split())
+    assert "--only mc_ppc.track_200.peak" in shown
 
 
 def test_a_folder_that_is_held_is_not_removed(here: Path) -> None:

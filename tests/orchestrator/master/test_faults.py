@@ -140,7 +140,7 @@ def test_a_fault_is_told_in_our_units_where_the_input_is_mapped(
 ) -> None:
     mapped = counters(map={"w": Mapped("u", gain=-1000.0, offset=2.0)})
     wired = System(
-        **{**vars(mapped), "connections": {"b.w": "a.k"}, "record": {"b.seen": MS}}
+        **{**vars(mapped), "connections": {"b.w": "a.k"}, "record": {"b.seen": (MS,)}}
     )
     result = run_it(faulty(wired, b__w=Fault("bias", 0.5)))
     expected = -1000.0 * (np.arange(21) + 0.5) + 2.0

@@ -109,3 +109,23 @@ def test_what_is_set_on_the_swapped_component_is_not_set_on_the_original(
     assert result.exit_code == 0, result.output
     told = json.loads(result.stdout)
     assert told["original"]["u.peak"] != told["metrics"]["u.peak"]
+
+
+def test_a_map_out_lists_what_equal_names_hide(tmp_path: Path) -> None:
+    """Same names, but the motor reversed: nothing is missing, and the pulse tells."""
+    model = (MODELS / "disguised.py").read_text()
+    for theirs, ours in (("motor_voltage", "u"), ("table_force", "d_2")):
+        model = model.replace(theirs, ours)
+    same = tmp_path / "same.py"
+    model = model.replace("screw: Ann", "x_1: Ann").replace("table: Ann", "x_2: Ann")
+    same.write_text(model.replace("PER_RAD * x", "x").replace('Var("mm"', 'Var("rad"'))
+    file = tmp_path / "map.toml"
+    arguments = ["run", SCENARIO, "--swap", f"plant={same}", "--map-out", str(file)]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert tomllib.loads(file.read_text())["u"] == {"name": "u", "gain": -1}
+    assert "x_1" not in tomllib.loads(file.read_text())
+    again = CliRunner().invoke(app, arguments)
+    assert again.exit_code == 2
+    assert "there is such a file" in again.output
+    assert not (tmp_path / "runs").exists()

@@ -1,5 +1,7 @@
 """What runs and responses tell about the drive, and how well."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,18 @@ def test_co_simulated_jogs_give_table_3_2(tmp_path) -> None:  # type: ignore[no-
     biased = done.composition.designs["biased"].values
     assert biased["rigid.J_e"] > 1.05 * PUBLISHED["rigid.J_e"]
     assert biased["rigid.B_e"] > 1.2 * PUBLISHED["rigid.B_e"]
+
+
+def test_elements_of_a_designed_array_are_figures(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    """``metric = "design.<step>.<name>[i]"`` of ``reference.toml``."""
+    from orchestrator.reproduction.reproduce import _designed
+
+    done = run(load_scenario("ball_screw_lpv/jogs_identified"), tmp_path, report=False)
+    result = done.composition.designs["rigid"]
+    array = replace(result, values={"rigid.J_e": (1.0, 2.0)})
+    done.composition.designs["rigid"] = array  # type: ignore[index]
+    found = _designed(done)
+    assert found["design.rigid.rigid.J_e[2]"].value == 2.0
 
 
 def test_noise_on_the_speed_leaves_the_inertia(tmp_path) -> None:  # type: ignore[no-untyped-def]
