@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-"""All values of an isolated FMU that go one way, as the kernel moves them."""
-=======
 """All inputs or all outputs of an FMU in a process of its own, moved in one call."""
->>>>>>> main
 
 import ctypes
 from typing import Any

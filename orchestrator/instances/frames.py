@@ -9,6 +9,7 @@ import json
 from typing import Any
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
+from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.logs import LogMessage
 
@@ -31,6 +32,8 @@ def encode(kind: str, value: Any) -> bytes:
     elif isinstance(value, LogMessage):
         told = {"status": value.status, "category": value.category}
         told |= {"text": value.text, "time": value.time}
+    elif isinstance(value, list):
+        told = [{"hex": v.hex()} if isinstance(v, bytes) else v for v in value]
     else:
         told = value
     return json.dumps([kind, told]).encode()
@@ -52,11 +55,17 @@ def decode(data: bytes) -> tuple[str, Any]:
 def _done(told: Any) -> Any:
     if isinstance(told, dict):
         return _ended(told)
-    if isinstance(told, list) and all(map(_is_number, told)):
-        return told
+    if isinstance(told, list):
+        return [_held(value) for value in told]
     if told is None:
         return None
-    raise TypeError("neither numbers nor nothing")
+    raise TypeError("neither values nor nothing")
+
+
+def _held(told: Any) -> Held:
+    if isinstance(told, dict):
+        return bytes.fromhex(_text(told["hex"]))
+    return told if isinstance(told, str) else _number(told)
 
 
 def _error(told: Any) -> FeedDriveError:
@@ -79,14 +88,10 @@ def _nothing(told: Any) -> None:
         raise TypeError("something")
 
 
-def _is_number(told: Any) -> bool:
-    return isinstance(told, float | int)
-
-
 def _number(told: Any) -> float:
-    if not _is_number(told):
+    if not isinstance(told, float | int):
         raise TypeError("no number")
-    return float(told)
+    return told  # a whole one stays so: it may have 64 bits
 
 
 def _text(told: Any) -> str:

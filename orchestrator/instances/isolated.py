@@ -28,13 +28,9 @@ from numpy.typing import NDArray
 from fmus.compile import CompileError
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-<<<<<<< HEAD
-from orchestrator.instances.bundle import Bundle
-from orchestrator.instances.child import Child, how_ended
-=======
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.bundle import Bundle
->>>>>>> main
+from orchestrator.instances.child import Child, how_ended
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
 from orchestrator.instances.isolated_child import serve

@@ -162,7 +162,8 @@ class Spoon:
         b"[" * 100_000,
         b'["done"]',
         b'["done", "text"]',
-        b'["done", [1, "2"]]',
+        b'["done", [1, [2]]]',
+        b'["done", [{"hex": "0g"}]]',
         b'["nothing", null]',
         b'["error", {"error": "SystemExit", "text": "x"}]',
         b'["error", {"by": "x", "at": "soon", "reason": "x"}]',
@@ -178,7 +179,7 @@ def test_what_is_no_frame_is_not_believed(data: bytes) -> None:
 
 
 def test_frames_carry_what_they_are_given() -> None:
-    values = [1.5, -0.0, 2**63 + 1, float("inf"), 5e-324]
+    values = [1.5, -0.0, 2**63 + 1, float("inf"), 5e-324, True, "a b", b"\0\xff"]
     assert decode(encode("done", values)) == ("done", values)
     message = LogMessage("Error", "motor", "it's \x1b[2J on fire", 0.25)
     assert decode(encode("log", message)) == ("log", message)
