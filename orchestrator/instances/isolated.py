@@ -129,7 +129,8 @@ class IsolatedInstance:
         self._request("bind", list(inputs), list(outputs))
         child = self._child
         try:
-            self._memory = Shared.made(n + m, self._folder, child.pipe, child.pid)
+            if self._channel is None:  # else the FMU was instantiated anew
+                self._memory = Shared.made(n + m, self._folder, child.pipe, child.pid)
         except ConnectionError:
             raise self._died("bind") from None
         channel = self._memory.channel

@@ -92,6 +92,7 @@ class _Server:
     ) -> None:
         self.instance, self.folder, self.by_channel = instance, folder, by_channel
         self.pipe = pipe
+        self.memory: Shared | None = None
         self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
@@ -102,7 +103,8 @@ class _Server:
     def bind(
         self, inputs: Sequence[FmuVariable], outputs: Sequence[FmuVariable]
     ) -> None:
-        self.memory = Shared.given(self.folder, self.pipe)
+        if self.memory is None:  # else the FMU was instantiated anew
+            self.memory = Shared.given(self.folder, self.pipe)
         self.shared = self.memory.channel
         self.instance.outcome = self.shared.outcome
         n = sum(v.size for v in inputs)
