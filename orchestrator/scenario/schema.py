@@ -258,6 +258,37 @@ class FaultSpec(Strict):
         return self
 
 
+class ToleranceSpec(Strict):
+    """How a value is spread: ``uniform`` from a to b, ``normal`` with mean and standard
+    deviation, or ``around`` its nominal value by a share (``"+-20 %"``).
+
+    Numbers may carry units, as ``"7 kg"``.
+    """
+
+    uniform: tuple[float | str, float | str] | None = None
+    normal: tuple[float | str, float | str] | None = None
+    around: float | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _share(cls, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        match = re.fullmatch(r"\s*\+-\s*([\d.]+)\s*%\s*", value)
+        if match is None:
+            raise ValueError(f'{value!r}: write "+-20 %", uniform or normal')
+        return {"around": float(match[1]) / 100}
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "ToleranceSpec":
+        given = (self.uniform, self.normal, self.around)
+        if sum(form is not None for form in given) != 1:
+            raise ValueError(
+                'write { uniform = [a, b] }, { normal = [mean, sd] } or "+-20 %"'
+            )
+        return self
+
+
 class Specification(Strict):
     """All a scenario says, after inheritance and overrides."""
 
@@ -273,6 +304,7 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
+    tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)
 
     @field_validator("rates", mode="wrap")
@@ -328,6 +360,8 @@ class Specification(Strict):
         for name, step in self.design.items():
             for component in step.sets:
                 _one_of(f"design.{name}.sets", "component", component, self.components)
+        for name in self.tolerances:
+            self._variable(f'tolerances."{name}"', name)
         for name in self.expect:
             metric_name = name.rpartition(".")[0]
             _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)
