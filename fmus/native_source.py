@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from fmus.layout import Layout, Variable
 from fmus.model import Continuous, Model
+from fmus.quantities import nominal
 
 if TYPE_CHECKING:  # imports CasADi, which only new builds need
     from fmus.trace import Traced
@@ -79,14 +80,17 @@ def native_sources(
     from fmus.tangent import tangent
     from fmus.trace import c_code
 
-    functions = (*traced.functions.values(), tangent(traced))
+    direction = tangent(traced)
+    functions = [*traced.functions.values(), *([direction] if direction else [])]
+    names = {function.name() for function in functions}
     work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
+    told = {name: name if name in names else "0" for name in EQUATIONS}
     parts = [
         QUIET,
         c_code(model, functions),
         '#include "model.h"\n',
         *_tables(model, layout),
-        _model(model, traced, layout, identifier, token, clock, work),
+        _model(model, traced, layout, identifier, token, clock, work, told),
         _pool(model, traced, layout, work),
     ]
     return {MODEL_DATA: "\n".join(parts)}
@@ -97,9 +101,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
     variables.append(f'{{"time", {layout.size}, 1, TIME, 0, 0, 0}}')
     owner = [i for i, v in enumerate(layout.variables) for _ in range(v.size)]
     start = [x for v in layout.variables for x in v.start or (0.0,) * v.size]
-    nominal = [
-        v.var.nominal or 1.0 for v in layout.block("state") for _ in range(v.size)
-    ]
+    usual = [nominal(v) or 1.0 for v in layout.block("state") for _ in range(v.size)]
     delays = [
         f"{{{u}, {tau}, {capacity}}}" for u, tau, capacity in _delays(model, layout)
     ]
@@ -109,7 +111,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
             "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
         ),
         _array("double", "start", map(number, [*start, 0.0])),
-        _array("double", "nominal", map(number, nominal or [1.0])),
+        _array("double", "nominal", map(number, usual or [1.0])),
         _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 
@@ -155,6 +157,7 @@ def _model(
     token: str,
     clock: bool,
     work: Mapping[str, int],
+    equations: Mapping[str, str],
 ) -> str:
     offset, count = layout.offset, layout.count
     continuous = isinstance(model, Continuous)
@@ -185,15 +188,11 @@ def _model(
         "period_den": period[1],
         "delays": "delays",
         "n_delays": len(_delays(model, layout)),
-        **{name: _equation(name, traced) for name in EQUATIONS},
+        **equations,
         **work,
     }
     lines = [f"    {value}, /* {name} */" for name, value in fields.items()]
     return "\n".join(["const Model feeddrive_model = {", *lines, "};\n"])
-
-
-def _equation(name: str, traced: "Traced") -> str:
-    return name if name in (*traced.functions, "tangent") else "0"
 
 
 def _pool(

@@ -35,10 +35,11 @@ if TYPE_CHECKING:
 
 
 class Executor(StrEnum):
-    """What carries out the steps; both give the same bits."""
+    """What carries out the steps; all give the same bits."""
 
     KERNEL = "kernel"
     PYTHON = "python"
+    FUSED = "fused"
 
 
 ScenarioName = Annotated[
