@@ -145,10 +145,12 @@ def test_an_error_says_where_rows_are_and_a_refusal_leaves_no_folder(
 
 def test_an_interrupted_member_interrupts_its_comparison(here: Path) -> None:
     def begun() -> None:
-        with taken(None, Begun("demo", "demo")) as place:
-            with taken(place.path / "one", BEGUN) as member:
-                rows_of(member.path)
-                raise KeyboardInterrupt
+        with (
+            taken(None, Begun("demo", "demo")) as place,
+            taken(place.path / "one", BEGUN) as member,
+        ):
+            rows_of(member.path)
+            raise KeyboardInterrupt
 
     with pytest.raises(Interrupted, match="demo/1/one/result"):
         begun()
