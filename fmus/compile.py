@@ -157,10 +157,12 @@ def compile_alone(
     platform: str,
     cache: Path,
     libraries: Sequence[str] = (),
+    flags: Sequence[str] = (),
 ) -> Path:
     """Compile C sources that need no adapters into a shared library.
 
-    ``libraries`` are those of the system it is linked to, such as "dl".
+    ``libraries`` are those of the system it is linked to, such as "dl"; ``flags``
+    follow ours and are those of the compiler.
 
     Returns ``<cache>/<digest>/<name><suffix>``, made now or found there.
 
@@ -170,12 +172,14 @@ def compile_alone(
     target = _target(platform)
     file = name + target.suffix
     linked = [f"-l{system}" for system in libraries]
-    library = cache / _digest(target, sources, name, *linked) / file
+    library = cache / _digest(target, sources, name, *linked, *flags) / file
     if not library.exists():
         with _building(cache) as folder:
             _write(folder, sources)
             inputs = source_names(sources) + linked
-            _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", file, *inputs], folder)
+            _zig_cc(
+                target, [*FLAGS, *flags, "-s", "-shared", "-o", file, *inputs], folder
+            )
             _publish([folder / file], library.parent)
     return library
 

@@ -12,13 +12,15 @@ from lxml import etree
 
 from fmus.layout import Layout
 from fmus.model import Continuous, Model, Sampled
+from fmus.quantities import FACTORS
 from fmus.subject import Fmi, Subject, check_start
 from fmus.units import base_unit
-from fmus.variables import arrays, given, scalars
+from fmus.variables import arrays, given, scalars, types
 
 DISTRIBUTION = "feeddrive-cosim"
 TOOL = "feeddrive"
 SUBSTEPS = 5  # of h_max in the suggested communication step: 5 x 10 us = 20 kHz
+STEPS = 20_000  # of the default experiment: 1 s at 20 kHz
 LOG_CATEGORIES = {
     "logAll": "all messages",
     "logStatusError": "why something was refused",
@@ -41,14 +43,19 @@ def describe(subject: Subject, fmi: Fmi, token: str) -> bytes:
     root = _root(subject, fmi, token)
     _interfaces(root, subject, fmi)
     _units(root, subject.layout)
+    types(root, subject.layout, fmi)
     categories = etree.SubElement(root, "LogCategories")
     told = LOG_CATEGORIES if subject.native else PYTHON_LOG_CATEGORIES
     for name, text in told.items():
         etree.SubElement(categories, "Category", name=name, description=text)
-    step = suggested_step(subject.model)
-    etree.SubElement(
-        root, "DefaultExperiment", startTime="0.0", stopTime="1.0", stepSize=repr(step)
-    )
+    experiment = {
+        "startTime": "0.0",
+        "stopTime": repr(STEPS * suggested_step(subject.model)),
+    }
+    if subject.model_exchange:
+        experiment["tolerance"] = "1e-06"
+    experiment["stepSize"] = repr(suggested_step(subject.model))
+    etree.SubElement(root, "DefaultExperiment", experiment)
     if fmi == 2:
         scalars(root, subject)
     else:
@@ -124,6 +131,9 @@ def _units(root: etree._Element, layout: Layout) -> None:
             attributes["offset"] = repr(base.offset)
         unit = etree.SubElement(definitions, "Unit", name=name)
         etree.SubElement(unit, "BaseUnit", attributes)
+        for shown_in in sorted({s for u, s in FACTORS if u == name}):
+            factor = repr(FACTORS[name, shown_in])
+            etree.SubElement(unit, "DisplayUnit", name=shown_in, factor=factor)
 
 
 def extra(subject: Subject) -> bytes:

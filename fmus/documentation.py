@@ -6,13 +6,23 @@ from lxml import etree
 from lxml.builder import E
 
 from fmus.description import DISTRIBUTION
+from fmus.quantities import bounds, nominal, quantity
 from fmus.subject import Subject, role
 
 STYLE = """
 body { font-family: sans-serif; max-width: 60em; margin: 2em auto }
 th, td { text-align: left; padding: 0.1em 1em 0.1em 0; vertical-align: top }
 """
-COLUMNS = ("Variable", "Kind", "Unit", "Start", "Meaning")
+COLUMNS = (
+    "Variable",
+    "Kind",
+    "Quantity",
+    "Unit",
+    "Start",
+    "Usual",
+    "Bounds",
+    "Meaning",
+)
 SHOWN = 9  # start values of an array that are written out
 
 
@@ -23,12 +33,16 @@ def index_html(subject: Subject) -> bytes:
         causality, variability, _ = role(variable, subject.model)
         start = ", ".join(f"{v:.6g}" for v in variable.start[:SHOWN])
         more = ", …" if len(variable.start) > SHOWN else ""
+        usual = nominal(variable)
         size = "×".join(map(str, variable.shape))
         cells = (
             f"{variable.name} ({size})" if size else variable.name,
             f"{variability} {causality}",
+            quantity(variable) or "",
             "" if variable.boolean else variable.var.unit,
             start + more,
+            "" if usual is None else f"{usual:g}",
+            _between(*bounds(variable)),
             variable.var.description,
         )
         rows.append(E.tr(*(E.td(cell) for cell in cells)))
@@ -45,6 +59,14 @@ def index_html(subject: Subject) -> bytes:
         pretty_print=True,
     )
     return document
+
+
+def _between(low: float | None, high: float | None) -> str:
+    if low is None and high is None:
+        return ""
+    return (
+        f"{'' if low is None else f'{low:g}'} … {'' if high is None else f'{high:g}'}"
+    )
 
 
 def license_text() -> bytes:

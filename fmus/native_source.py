@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from fmus.layout import Layout, Variable
 from fmus.model import Continuous, Model
+from fmus.quantities import nominal
 
 if TYPE_CHECKING:  # imports CasADi, which only new builds need
     from fmus.trace import Traced
@@ -97,9 +98,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
     variables.append(f'{{"time", {layout.size}, 1, TIME, 0, 0, 0}}')
     owner = [i for i, v in enumerate(layout.variables) for _ in range(v.size)]
     start = [x for v in layout.variables for x in v.start or (0.0,) * v.size]
-    nominal = [
-        v.var.nominal or 1.0 for v in layout.block("state") for _ in range(v.size)
-    ]
+    usual = [nominal(v) or 1.0 for v in layout.block("state") for _ in range(v.size)]
     delays = [
         f"{{{u}, {tau}, {capacity}}}" for u, tau, capacity in _delays(model, layout)
     ]
@@ -109,7 +108,7 @@ def _tables(model: Model, layout: Layout) -> list[str]:
             "unsigned", "variable_of", [*map(str, owner), str(len(layout.variables))]
         ),
         _array("double", "start", map(number, [*start, 0.0])),
-        _array("double", "nominal", map(number, nominal or [1.0])),
+        _array("double", "nominal", map(number, usual or [1.0])),
         _array("Delay", "delays", delays or ["{0, 0, 0}"]),
     ]
 

@@ -31,8 +31,8 @@ def preset(model: Model, wanted: Preset) -> Model:
     """Return the model with period and start values of the preset.
 
     Raises:
-        BuildError: a period for a continuous model, a name that it does not have,
-            a constant, or a value of another size.
+        BuildError: a period that it does not take, a name that it does not have, a
+            constant, or a value of another size.
     """
     if wanted.period is not None:
         if isinstance(model, Continuous):
@@ -40,7 +40,15 @@ def preset(model: Model, wanted: Preset) -> Model:
                 f"{model.name} is continuous and has no period: it takes any step; "
                 f"its longest substep is h_max = {model.h_max} s"
             )
+        if model.period_fixed and wanted.period != model.period:
+            raise BuildError(
+                f"{model.name} is sampled every {model.period} s alone, which its "
+                f"numbers are designed for: a period of {wanted.period} s takes "
+                f"another design"
+            )
         model = replace(model, period=wanted.period)
+    if not wanted.values:
+        return model
     left = dict(wanted.values)
     records = {
         role: _filled(getattr(model, role), left, prefix, model.name)

@@ -12,6 +12,7 @@ from lxml import etree
 
 from fmus.layout import Layout, Variable
 from fmus.model import Sampled
+from fmus.quantities import bounds, nominal, quantity, shown
 from fmus.structure import Kind, Structure, initial, stepping, strongest
 from fmus.subject import CLOCK, Subject, role
 
@@ -148,16 +149,45 @@ def _attributes(variable: Variable, subject: Subject) -> dict[str, str | None]:
 
 
 def _bounds(variable: Variable) -> dict[str, str | None]:
-    """Return unit, bounds and nominal value; a Boolean has none of them."""
-    var = variable.var
+    """Return unit, bounds and the like; a Boolean has none of them."""
     if variable.boolean:
         return {}
+    low, high = bounds(variable)
+    size = nominal(variable)
     return {
-        "unit": var.unit,
-        "min": None if var.min is None else repr(float(var.min)),
-        "max": None if var.max is None else repr(float(var.max)),
-        "nominal": None if var.nominal is None else repr(float(var.nominal)),
+        "declaredType": type_name(variable),
+        "quantity": quantity(variable),
+        "unit": variable.var.unit,
+        "displayUnit": shown(variable),
+        "min": None if low is None else repr(float(low)),
+        "max": None if high is None else repr(float(high)),
+        "nominal": None if size is None else repr(float(size)),
     }
+
+
+def type_name(variable: Variable) -> str | None:
+    """Return the name of the declared type of a quantity in a unit."""
+    named = quantity(variable)
+    if named is None:
+        return None
+    unit = (shown(variable) or variable.var.unit).replace("/", "_per_")
+    return f"{named}_{unit}".replace(".", "_")
+
+
+def types(root: etree._Element, layout: Layout, fmi: int) -> None:
+    """Write TypeDefinitions: every quantity with its unit and display unit."""
+    declared = {type_name(v): v for v in layout.variables if not v.boolean}
+    declared.pop(None, None)
+    if not declared:
+        return
+    parent = etree.SubElement(root, "TypeDefinitions")
+    for name, v in sorted(declared.items(), key=str):
+        told = {"quantity": quantity(v), "unit": v.var.unit, "displayUnit": shown(v)}
+        if fmi == 2:
+            simple = etree.SubElement(parent, "SimpleType", name=str(name))
+            etree.SubElement(simple, "Real", given(told))
+        else:
+            etree.SubElement(parent, "Float64Type", given({"name": name} | told))
 
 
 def _number(value: float, boolean: bool) -> str:

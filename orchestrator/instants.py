@@ -40,13 +40,11 @@ class Instants:
 
     def among(self, time: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Tell which of the times (n,) of a run, in s, are of these instants."""
-        if not len(time):
-            return np.zeros(0, dtype=bool)
-        last = int((Fraction(float(time[-1])) - self.first) / self.period) + 1
-        k = np.arange(max(0, last + 1))
+        k = np.rint((time - float(self.first)) / float(self.period)).astype(np.int64)
         unit = lcm(self.first.denominator, self.period.denominator)
         ticks = int(self.first * unit) + k * int(self.period * unit)
-        return np.isin(time, ticks / unit)
+        found: NDArray[np.bool_] = (k >= 0) & (ticks / unit == time)
+        return found
 
     def __str__(self) -> str:
         return f"{self.first} {self.period}"

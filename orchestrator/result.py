@@ -138,6 +138,29 @@ class Result(Mapping[str, Signal]):
         return {f.stem: _read(f).to_pandas().set_index("time") for f in files}
 
 
+class Recorded(Mapping[str, Signal]):
+    """Recorded signals in memory, as ``Result``: ``tables`` by row period (s)."""
+
+    def __init__(self, tables: Mapping[Fraction, Mapping[str, Signal]]) -> None:
+        self._tables = tables
+        self._signals: dict[str, Signal] = {}
+        for period in sorted(tables):
+            self._signals = {**tables[period], **self._signals}
+
+    def at(self, period: Fraction) -> "Recorded":
+        """Return what was recorded with that row period (s) alone."""
+        return Recorded({p: of for p, of in self._tables.items() if p == period})
+
+    def __getitem__(self, name: str) -> Signal:
+        return self._signals[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._signals)
+
+    def __len__(self) -> int:
+        return len(self._signals)
+
+
 def _numbers(column: Any) -> NDArray[np.float64]:
     """Return a chunked Arrow column (its ``to_numpy`` imports pandas)."""
     chunks = [np.from_dlpack(chunk) for chunk in column.chunks]

@@ -19,6 +19,7 @@ from orchestrator.cli import (
     runs,
     second_opinion,
     study,
+    sweep,
 )
 
 app = typer.Typer(
@@ -59,6 +60,7 @@ for verb in (
     run.schedule,
     run.run,
     runs.runs,
+    sweep.sweep,
     export.export,
     study.reproduce,
     second_opinion.second_opinion,

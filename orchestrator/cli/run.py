@@ -35,10 +35,11 @@ if TYPE_CHECKING:
 
 
 class Executor(StrEnum):
-    """What carries out the steps; both give the same bits."""
+    """What carries out the steps; all give the same bits."""
 
     KERNEL = "kernel"
     PYTHON = "python"
+    FUSED = "fused"
 
 
 ScenarioName = Annotated[
@@ -116,7 +117,13 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Co-simulate a scenario; print its figures and write its folder."""
+    from orchestrator.errors import ScenarioError
+
     set_up_logs(verbose)
+    if overwrite and output is None:
+        raise ScenarioError(
+            "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
         if json:

@@ -18,9 +18,20 @@ from orchestrator.evaluation.schema import MetricSpec, OnsetMetric, SustainedMet
 from orchestrator.instants import Instants
 from orchestrator.master.layout import Column
 from orchestrator.quantity import rate
-from orchestrator.result import Result, Signal
+from orchestrator.result import Recorded, Result, Signal
 
 Tables: TypeAlias = Mapping[Fraction, Sequence[Column]]
+
+EXACT = 2.0**53  # up to which a number with a point holds every whole one
+
+
+def loses_digits(spec: MetricSpec, signals: Mapping[str, Signal]) -> str | None:
+    """Return the signal of a metric of which a figure would lose digits, if any."""
+    for name in spec.signals().values():
+        values = signals[name].values if name in signals else np.empty(0)
+        if values.dtype.kind in "iu" and np.any(np.abs(values.astype(float)) > EXACT):
+            return name
+    return None
 
 
 def taken(spec: MetricSpec, signals: Mapping[str, Signal]) -> dict[str, Signal]:
@@ -29,18 +40,22 @@ def taken(spec: MetricSpec, signals: Mapping[str, Signal]) -> dict[str, Signal]:
     Raises:
         ScenarioError: one is not recorded, or they have no instant in common.
     """
-    if spec.at is not None and isinstance(signals, Result):
+    if spec.at is not None and isinstance(signals, Result | Recorded):
         signals = signals.at(spec.at)
     found = {key: _recorded(name, signals) for key, name in spec.signals().items()}
+    found = {key: replace(s, values=s.values.astype(float)) for key, s in found.items()}
     first, *others = found.values()
     kept = np.ones(len(first), dtype=bool)
     for other in others:
-        kept &= np.isin(first.time, other.time)
+        if other.time is not first.time:
+            kept &= np.isin(first.time, other.time)
     for signal in found.values():
         if others and _holds_back(spec) and signal.published is not None:
             kept &= signal.published.among(first.time)
     if not kept.any():
         raise ScenarioError(f"{_names(found)} have no instant in common")
+    if kept.all() and all(other.time is first.time for other in others):
+        return found
     time = first.time[kept]
     return {
         key: replace(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError
-from orchestrator.evaluation.compared import taken
+from orchestrator.evaluation.compared import loses_digits, taken
 from orchestrator.evaluation.motion import (
     contour_error,
     onset,
@@ -82,6 +82,10 @@ def _until(
     signals: Mapping[str, Signal],
     parameter: Parameters,
 ) -> dict[str, Quantity]:
+    if name := loses_digits(spec, signals):
+        why = f"{name} has more digits than a figure holds (beyond 2^53)"
+        found = _figures(spec, signals, parameter)
+        return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
     if ended is None or spec.window is None or spec.window[1] <= ended.at:
         return _figures(spec, signals, parameter)
     whole = spec.model_copy(update={"window": None})  # for the figures' names

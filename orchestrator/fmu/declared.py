@@ -6,7 +6,6 @@ name twice, a dimension below 1, two model descriptions, a ``modelIdentifier`` t
 a path.  Everything else that breaks the standard is for ``check`` to find.
 """
 
-import zipfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import Any
 from fmus.unit_names import BASE
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError
+from orchestrator.fmu.archive import checked_members
 
 REFERENCES = 2**32  # of UInt32
 
@@ -106,21 +106,31 @@ def units(definitions: Sequence[Any]) -> Iterator[tuple[str, BaseUnit]]:
             yield unit.name, BaseUnit(**exponents, factor=factor, offset=offset)
 
 
+def refuse_two_descriptions(path: Path) -> None:
+    """Refuse an archive of which two tools may read different descriptions.
+
+    Raises:
+        FmuError: there are several files modelDescription.xml.
+    """
+    members = [member.filename.casefold() for member in checked_members(path)]
+    if members.count("modeldescription.xml") > 1:
+        raise FmuError(
+            f"{path}: holds several files modelDescription.xml; ask its supplier for a "
+            f"valid export"
+        )
+
+
 def refuse_ambiguous(path: Path, root: Any) -> None:
     """Refuse a model description in which a value may mean several things.
 
     Raises:
         FmuError: see the contract above.
     """
-    for fault in _ambiguous(path, root):
+    for fault in _ambiguous(root):
         raise FmuError(f"{path}: {fault}; ask its supplier for a valid export")
 
 
-def _ambiguous(path: Path, root: Any) -> Iterator[str]:
-    with zipfile.ZipFile(path) as archive:
-        members = [name.casefold() for name in archive.namelist()]
-    if members.count("modeldescription.xml") > 1:
-        yield "holds several files modelDescription.xml"
+def _ambiguous(root: Any) -> Iterator[str]:
     for interface in ("CoSimulation", "ModelExchange", "ScheduledExecution"):
         for element in root.iterfind(interface):
             identifier = element.get("modelIdentifier", "")

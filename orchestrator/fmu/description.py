@@ -16,7 +16,13 @@ from typing import Any, Literal
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
-from orchestrator.fmu.declared import Declared, declared, refuse_ambiguous, units
+from orchestrator.fmu.declared import (
+    Declared,
+    declared,
+    refuse_ambiguous,
+    refuse_two_descriptions,
+    units,
+)
 from orchestrator.fmu.own import kind_and_period
 from orchestrator.system import Kind
 from orchestrator.unit import Unit, unit_of_fmu
@@ -188,6 +194,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     import fmpy
     from lxml import etree
 
+    refuse_two_descriptions(path)
     text = read_member(path, "modelDescription.xml")
     try:
         root = etree.fromstring(text)

@@ -176,6 +176,11 @@ def _our_side(
         WiringError: the unit of the map cannot be had without a gain.
     """
     theirs = variable.unit
+    if variable.is_text and (mapped.gain, mapped.offset, mapped.unit) != (None,) * 3:
+        raise WiringError(
+            f"components.{component.name}.map: {mapped.name} is {variable.kind}, which "
+            f"has no gain, offset or unit"
+        )
     given = Affine(
         1.0 if mapped.gain is None else mapped.gain,
         0.0 if mapped.offset is None else mapped.offset,

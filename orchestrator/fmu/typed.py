@@ -70,7 +70,7 @@ def held(where: str, port: Port, given: Scalar, fmi_major: int) -> Held:
         raise WiringError(f"{wrong}; give {_asked(port)}, not a text")
     if isinstance(given, bool) and variable.sort != "boolean":
         raise WiringError(f"{wrong} and no switch; give {_asked(port)}")
-    if not isfinite(given):
+    if not _is_finite(given, variable):
         raise WiringError(f"{wrong}; give a finite number")
     return _number(wrong, port, given, fmi_major)
 
@@ -86,7 +86,7 @@ def _number(wrong: str, port: Port, given: float, fmi_major: int) -> float:
         )
         raise WiringError(f"{wrong}{became}; give {asked}")
     for bound, word in ((variable.min, "least"), (variable.max, "most")):
-        limit = _limit(bound)
+        limit = _limit(bound, variable.sort)
         if limit is None:
             continue
         beyond = Fraction(number) - limit
@@ -98,14 +98,23 @@ def _number(wrong: str, port: Port, given: float, fmi_major: int) -> float:
     return number if variable.sort == "real" else int(number)
 
 
+def _is_finite(given: float, variable: FmuVariable) -> bool:
+    try:
+        return isfinite(given)
+    except OverflowError:  # a whole number beyond all floats
+        return variable.sort != "real"
+
+
 def _applied(affine: Affine, given: float) -> float:
     return affine.gain * given + affine.offset if affine.converts else given
 
 
-def _limit(bound: str | None) -> Fraction | None:
+def _limit(bound: str | None, sort: str) -> Fraction | None:
+    """Return a bound as the FMU has it: of a real number the nearest double."""
     try:
-        return Fraction(bound.strip()) if bound else None
-    except ValueError:  # an infinity bounds nothing
+        limit = Fraction(bound.strip()) if bound else None
+        return Fraction(float(limit)) if limit is not None and sort == "real" else limit
+    except (ValueError, OverflowError):  # an infinity bounds nothing
         return None
 
 

@@ -128,10 +128,11 @@ class IsolatedInstance:
     ) -> None:
         n, m = (sum(v.size for v in group) for group in (inputs, outputs))
         size = ctypes.sizeof(c.Channel) + 8 * (n + m)
-        with (self._folder / CHANNEL).open("x+b") as file:
-            file.write(bytes(size))  # its space is taken now, not at a later fault
-            file.flush()
-            self._memory = mmap.mmap(file.fileno(), size)
+        if self._channel is None:  # else the FMU was instantiated anew
+            with (self._folder / CHANNEL).open("x+b") as file:
+                file.write(bytes(size))  # its space is taken now, not at a later fault
+                file.flush()
+                self._memory = mmap.mmap(file.fileno(), size)
         channel = c.Channel.from_buffer(self._memory)
         channel.doing = len(c.DOING)
         self._ask("bind", list(inputs), list(outputs))

@@ -33,7 +33,7 @@ class Executor:
     ``count`` says how many instants are done.
     """
 
-    name: Literal["kernel", "python"] = "python"
+    name: Literal["kernel", "python", "fused"] = "python"
 
     def __init__(
         self,

@@ -4,8 +4,9 @@
    initialisation; an FMU that refuses this without a stop time is made anew with it;
 2. in dependency order: write inputs, read outputs, copy;
 3. where outputs depend on each other in a circle, solve for the inputs at
-   which the circle was opened: Newton (SciPy's hybrid method), else repeated
-   substitution; refused with the circle's edges when neither converges;
+   which the circle was opened: repeated substitution, which reaches a fixed point
+   to the last bit where it gets there, else Newton (SciPy's hybrid method);
+   refused with the circle's edges when neither converges;
 4. write all inputs, exit initialisation, compare what was written with what the
    FMU holds (``kept.py``), switch its logging off, read and copy once more.
 """
@@ -47,7 +48,7 @@ def initialise(
     for name, part in wiring.parts.items():
         _begin(part, instances[name], vector, wiring.system.stop)
     order, opened = initial_order(wiring)
-    unknown = _places(wiring, opened)
+    unknown = places_opened(wiring, opened)
     if unknown:
         _solve(wiring, instances, vector, order, unknown, opened)
     else:
@@ -95,7 +96,7 @@ def _enter(part: Part, instance: Instance, stop: float | None) -> None:
     instance.enter_initialization()
 
 
-def _places(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
+def places_opened(wiring: Wiring, opened: Sequence[Edge]) -> dict[int, Copy]:
     """Return the copies that carry the opened edges, by their place of arrival."""
     pairs = {(e.source, e.sink) for e in opened}
     return {
@@ -145,22 +146,44 @@ def _solve(
     opened: Sequence[Edge],
 ) -> None:
     places, copies = list(unknown), list(unknown.values())
+    start = vector[places].copy()
+    if _substitute(wiring, instances, vector, order, places, copies):
+        return
+    vector[places] = start
     real = all(_is_real(wiring, place) for place in places)
     if real and _newton(wiring, instances, vector, order, places, copies):
         return
+    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
+    raise SimulationError(
+        f"initialisation: the circle through {listed} has no solution that "
+        f"substitution or Newton's method finds; set start values near one, or open "
+        f"the circle"
+    )
+
+
+def _substitute(
+    wiring: Wiring,
+    instances: Mapping[str, Instance],
+    vector: Vector,
+    order: Sequence[str],
+    places: list[int],
+    copies: list[Copy],
+) -> bool:
+    """Go round a circle until nothing moves; tell whether that was reached."""
     seen = views(vector)
     for _ in range(SUBSTITUTIONS):
         before = vector[places].copy()
-        _sweep(wiring, instances, vector, order, set(places))
-        for copy in copies:
-            carry(copy, seen, 0.0)
+        try:
+            _sweep(wiring, instances, vector, order, set(places))
+            for copy in copies:
+                carry(copy, seen, 0.0)
+        except SimulationError:  # far from a solution an FMU may refuse anything
+            return False
         if _settled(before, vector[places]):
-            return
-    listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
-    raise SimulationError(
-        f"initialisation: the circle through {listed} has no solution that Newton's "
-        f"method or substitution finds; set start values near one, or open the circle"
-    )
+            return True
+        if not np.all(np.isfinite(vector[places])):
+            return False
+    return False
 
 
 def _is_real(wiring: Wiring, place: int) -> bool:

@@ -48,7 +48,7 @@ def _sorted(copies: Sequence[Copy]) -> list[Copy]:
 class Kernel:
     """Runs a timetable on initialised instances; ``count`` instants are done."""
 
-    name: Literal["kernel", "python"] = "kernel"
+    name: Literal["kernel", "python", "fused"] = "kernel"
 
     def __init__(
         self,

@@ -49,7 +49,7 @@ NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
 BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
-Choice: TypeAlias = Literal["kernel", "python"]
+Choice: TypeAlias = Literal["kernel", "python", "fused"]
 
 
 class Engine(Protocol):
@@ -145,6 +145,20 @@ def _engine(
     Raises:
         SimulationError: the kernel was asked for and cannot be used.
     """
+    if executor == "fused":
+        from orchestrator.master.fused.executor import Fused
+
+        if profiled:
+            raise SimulationError(
+                "executor fused: where the time goes inside one function is not "
+                "known; profile with the kernel"
+            )
+        try:
+            return Fused(timetable, instances, vector, recorder.tables)
+        except CompileError as error:
+            raise SimulationError(
+                f"executor fused cannot be compiled: {error}"
+            ) from None
     if executor != "python":
         from orchestrator.master.kernel import Kernel
 

@@ -47,28 +47,36 @@ def recorded(curves: Mapping[int, Curve], most: int = MOST) -> str:
     Where they are more than ``most`` in all, the largest curves are thinned, and
     the page says down to which stretch they are honest.
     """
-    kept = share([len(curve.time) for curve in curves.values()], most)
-    stored = []
+    kept = max(4, share([len(curve.time) for curve in curves.values()], most))
+    stored, coarse = [], {}
     for trace, curve in curves.items():
-        time, values = decimate(curve.time, curve.values, max(4, kept))
-        if len(time) < 2:
-            continue
-        written = {"trace": trace, "of": len(curve.time), **embedded(time, values)}
+        time, values = decimate(curve.time, curve.values, kept)
+        if len(time) > 1:
+            stored.append({"trace": trace, **embedded(time, values)})
         if len(time) < len(curve.time):
-            span = float(curve.time[-1] - curve.time[0])
-            written["said"] = (
-                f"Of {curve.label}, {len(curve.time):,} points, the page holds the "
-                f"least and the greatest of stretches of {2 * span / len(time):.3g} s: "
-                f"zoomed further it is not what was recorded; the tables in result/ "
-                f"hold every point."
-            )
-        stored.append(written)
-    text = json.dumps(stored).replace("<", "\\u003c")
+            coarse[curve.label] = curve
+    content = {"curves": stored, "coarse": _honest(coarse, kept)}
+    text = json.dumps(content).replace("<", "\\u003c")
     drawn = "The curves are thinned to 5,000 points each, no peak is lost."
     return (
         f"<p class=about id=drawn>{drawn}</p>"
         f'<script type="application/json" id="recorded">{text}</script>'
         f"<script>{SCRIPT.read_text(encoding='utf-8')}</script>"
+    )
+
+
+def _honest(coarse: Mapping[str, Curve], kept: int) -> str:
+    """Say down to which stretch of time thinned curves are what was recorded."""
+    if not coarse:
+        return ""
+    spans = (float(c.time[-1] - c.time[0]) for c in coarse.values())
+    stretch = max(spans) / (kept // 2 - 1)
+    points = max(len(c.time) for c in coarse.values())
+    return (
+        f" The page holds up to {kept:,} points of a curve, not all {points:,} of "
+        f"{', '.join(coarse)}: of each stretch of {stretch:.2g} s the least and the "
+        f"greatest. Zoomed further these are not what was recorded; result/ holds "
+        f"every point."
     )
 
 

@@ -151,11 +151,10 @@ def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, A
     n = len(values)
     if n <= points:
         return time, values
-    stretches = np.array_split(np.arange(n), points // 2 - 1)
-    kept = {0, n - 1}
-    for stretch in stretches:
-        part = values[stretch]
-        kept.add(int(stretch[np.argmin(part)]))
-        kept.add(int(stretch[np.argmax(part)]))
-    index = np.array(sorted(kept))
-    return time[index], values[index]
+    width = -(-n // (points // 2 - 1))
+    rows = -(-n // width)
+    stretches = np.pad(values, (0, rows * width - n), mode="edge").reshape(rows, width)
+    begins = width * np.arange(rows)
+    extremes = (begins + find(stretches, axis=1) for find in (np.argmin, np.argmax))
+    kept = np.unique(np.concatenate([[0, n - 1], *extremes]).clip(max=n - 1))
+    return time[kept], values[kept]

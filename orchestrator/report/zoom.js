@@ -6,7 +6,8 @@
   const BUCKETS = 1500, MARKED = 250;
   const plot = document.getElementById("signals");
   const told = document.getElementById("drawn");
-  const stored = JSON.parse(document.getElementById("recorded").textContent);
+  const { curves: stored, coarse } = JSON.parse(
+    document.getElementById("recorded").textContent);
   const number = (n) => n.toLocaleString("en-US");
 
   async function decoded(text, n) {
@@ -81,13 +82,13 @@
       curves.map((curve) => curve.trace),
     );
     const most = Math.max(...drawn.map((d) => d.count));
-    const coarse = curves.filter((c) => c.of > c.n).map((c) => ` ${c.said}`);
     told.textContent =
       (most <= 2 * BUCKETS
-        ? `Every point in view is drawn, at most ${number(most)} of a curve.`
+        ? `Every point ${coarse && "of the page "}in view is drawn, at most ` +
+          `${number(most)} of a curve.`
         : `Drawn of a curve: the least and the greatest of each of ${number(BUCKETS)} ` +
           `stretches of up to ${number(most)} points in view; zoom in to see every one.`) +
-      coarse.join("");
+      coarse;
   }
 
   if (!stored.length) return;

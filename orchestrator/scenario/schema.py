@@ -68,9 +68,11 @@ def parse_scalar(value: Any) -> float | bool:
         return value
     if not isinstance(value, int | float):
         raise ValueError(f"{value!r} is not a number, true, false or an array")
+    if isinstance(value, int):
+        return value
     if not isfinite(value):
         raise ValueError(f"{value} is not a finite number")
-    return value if isinstance(value, int) else float(value)
+    return float(value)
 
 
 def _flat(value: Any) -> Iterator[Any]:
@@ -237,7 +239,7 @@ class FaultSpec(Strict):
     """A fault of an input: its kind, number, and window [from, to) (s; always)."""
 
     kind: FaultKind
-    value: int | float | None = None
+    value: Annotated[float | None, PlainValidator(parse_scalar)] = None
     samples: int | None = Field(default=None, ge=1)
     window: Window | None = None
 
@@ -249,12 +251,41 @@ class FaultSpec(Strict):
             if given != (key == needed):
                 verb = "takes no" if given else "needs its"
                 raise ValueError(f"kind {self.kind!r} {verb} {key}")
-        if self.value is not None and not np.isfinite(self.value):
-            raise ValueError(f"value: {self.value} is not a finite number")
         if self.kind == "quantisation" and not (self.value or 0) > 0:
             raise ValueError("value: a quantum is greater than zero")
         if self.window is not None and self.window[0] < 0:
             raise ValueError("window: begins before the start at 0")
+        return self
+
+
+class ToleranceSpec(Strict):
+    """How a value is spread: ``uniform`` from a to b, ``normal`` with mean and standard
+    deviation, or ``around`` its nominal value by a share (``"+-20 %"``).
+
+    Numbers may carry units, as ``"7 kg"``.
+    """
+
+    uniform: tuple[float | str, float | str] | None = None
+    normal: tuple[float | str, float | str] | None = None
+    around: float | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _share(cls, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        match = re.fullmatch(r"\s*\+-\s*([\d.]+)\s*%\s*", value)
+        if match is None:
+            raise ValueError(f'{value!r}: write "+-20 %", uniform or normal')
+        return {"around": float(match[1]) / 100}
+
+    @model_validator(mode="after")
+    def _one_form(self) -> "ToleranceSpec":
+        given = (self.uniform, self.normal, self.around)
+        if sum(form is not None for form in given) != 1:
+            raise ValueError(
+                'write { uniform = [a, b] }, { normal = [mean, sd] } or "+-20 %"'
+            )
         return self
 
 
@@ -273,6 +304,7 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
+    tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)
 
     @field_validator("rates", mode="wrap")
@@ -328,6 +360,8 @@ class Specification(Strict):
         for name, step in self.design.items():
             for component in step.sets:
                 _one_of(f"design.{name}.sets", "component", component, self.components)
+        for name in self.tolerances:
+            self._variable(f'tolerances."{name}"', name)
         for name in self.expect:
             metric_name = name.rpartition(".")[0]
             _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)

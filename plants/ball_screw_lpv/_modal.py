@@ -12,7 +12,7 @@ from plants.ball_screw_lpv._ports import Input, Output
 
 
 class State(NamedTuple):
-    u_0: Annotated[float, Var("m", "position of the rigid body", nominal=0.1)] = 0.0
+    u_0: Annotated[float, Var("m", "position of the rigid body", nominal=0.01)] = 0.0
     v: Annotated[float, Var("m/s", "speed of the rigid body", nominal=0.1)] = 0.0
     q: Annotated[float, Var("N.s2", "deflection of the mode", nominal=1e-4)] = 0.0
     q_1: Annotated[float, Var("N.s", "its rate", nominal=0.1)] = 0.0

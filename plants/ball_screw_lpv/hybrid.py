@@ -17,8 +17,8 @@ from plants.ball_screw_lpv._screw import Screw, matrices
 
 
 class State(NamedTuple):
-    u_m: Annotated[float, Var("m", "motor position", nominal=0.1)] = 0.0
-    u_c: Annotated[float, Var("m", "table position", nominal=0.1)] = 0.0
+    u_m: Annotated[float, Var("m", "motor position", nominal=0.01)] = 0.0
+    u_c: Annotated[float, Var("m", "table position", nominal=0.01)] = 0.0
     v_m: Annotated[float, Var("m/s", "motor speed as table speed", nominal=0.1)] = 0.0
     v_c: Annotated[float, Var("m/s", "table speed", nominal=0.1)] = 0.0
 

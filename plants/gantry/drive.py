@@ -38,7 +38,7 @@ class State(NamedTuple):
     ] = 0.0
     v_u: Annotated[float, Var("m/s", "its rate", nominal=1e-3)] = 0.0
     q_t: Annotated[float, Var("m", "bending of the beam", nominal=1e-6)] = 0.0
-    v_t: Annotated[float, Var("m/s", "its rate", nominal=1e-3)] = 0.0
+    v_t: Annotated[float, Var("m/s", "its rate", nominal=1e-4)] = 0.0
 
 
 class Mode(NamedTuple):

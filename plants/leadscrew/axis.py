@@ -23,7 +23,7 @@ class State(NamedTuple):
     x: Annotated[float, Var("m", "table position")] = 0.0
     omega: Annotated[float, Var("rad/s", "rotor speed")] = 0.0
     v: Annotated[float, Var("m/s", "table speed")] = 0.0
-    z: Annotated[float, Var("rad", "bristle deflection")] = 0.0
+    z: Annotated[float, Var("rad", "bristle deflection", nominal=1e-4)] = 0.0
 
 
 class Input(NamedTuple):

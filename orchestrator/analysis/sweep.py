@@ -1,0 +1,279 @@
+"""A sweep: a scenario's figures over values that are varied.
+
+``sweep`` carries out every member and keeps what is done: each outcome is a line
+of ``members.jsonl`` in the folder of the sweep as soon as it is known, so that an
+interrupted one can be resumed; ``figures.parquet`` is made of them at the end.
+"""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from orchestrator.analysis.members import Group, Job, Outcome, split
+from orchestrator.analysis.variations import Assignment, Axis, Setting, grid
+from orchestrator.errors import FeedDriveError, ScenarioError
+from orchestrator.quantity import NoValue
+from orchestrator.scenario.compose import Composition, compose
+from orchestrator.scenario.reading import Scenario, load_scenario
+from orchestrator.session import naming, run_earlier
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+MEMBERS, FIGURES = "members.jsonl", "figures.parquet"
+Progress: TypeAlias = Callable[[int], None]
+
+
+class Runner(Protocol):
+    """Carries out jobs of a composition somewhere: here, or on many machines."""
+
+    executor: str
+
+    def run(self, jobs: Sequence[Job]) -> Iterator[Outcome]: ...
+
+
+Making: TypeAlias = Callable[[Composition, int], Runner]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The members of a sweep and what came of them.
+
+    ``rows`` are dictionaries: ``member``, the varied keys, a figure's value per
+    ``<metric>.<figure>``, ``met`` and ``failure``; ``units`` those of the figures.
+    """
+
+    scenario: str
+    keys: tuple[str, ...]
+    rows: tuple[Mapping[str, Any], ...]
+    units: Mapping[str, str]
+    wall_s: float
+    executors: tuple[str, ...]
+    nominal: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def failed(self) -> int:
+        """How many members have no figures."""
+        return sum(row["failure"] is not None for row in self.rows)
+
+    @property
+    def met(self) -> float:
+        """The share of the members that ran and met every expectation: the yield."""
+        return sum(bool(row["met"]) for row in self.rows) / max(1, len(self.rows))
+
+    def broken(self) -> dict[str, int]:
+        """Return how many members do not meet each expectation."""
+        counts: dict[str, int] = {}
+        for row in self.rows:
+            for figure in row["broken"]:
+                counts[figure] = counts.get(figure, 0) + 1
+        return counts
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return one row per member (needs pandas)."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            [{k: v for k, v in row.items() if k != "broken"} for row in self.rows]
+        )
+
+
+def sweep(
+    scenario: str | Path,
+    variations: Sequence[Axis] | Sequence[Assignment],
+    *,
+    sets: Sequence[str] = (),
+    folder: Path | None = None,
+    progress: Progress | None = None,
+    making: Making = Group,
+) -> Sweep:
+    """Carry out a scenario for every combination of axes, or for each assignment.
+
+    ``sets`` hold for all members; ``folder`` keeps outcomes as they come and what
+    stands in it already is not done again; ``progress`` is told how many are done.
+
+    Raises:
+        FeedDriveError: the scenario, or a member's rates, latencies or FMUs, cannot
+            be composed; a member that fails while it runs is an outcome.
+    """
+    begun = perf_counter()
+    base = load_scenario(scenario, list(sets))
+    with naming(base):
+        nominal = compose(base, run_earlier)
+    if not nominal.scenario.spec.metrics:
+        raise ScenarioError(f"{base.file}: a sweep shows figures; add [metrics]")
+    assignments = _assignments(variations)
+    keys = tuple(dict.fromkeys(key for a in assignments for key in a))
+    done = _done(folder, assignments) if folder else {}
+    executors: set[str] = set()
+    units: dict[str, str] = {}
+    rows: dict[int, dict[str, Any]] = dict(done)
+    if progress:
+        progress(len(rows))
+    with _Lines(folder) as lines:
+        for group, jobs in _groups(base, nominal, assignments, sets, rows, making):
+            executors.add(group.executor)
+            for outcome in group.run(jobs):
+                row = _row(outcome, assignments[outcome.index])
+                units.update({k: str(q.unit) for k, q in outcome.figures.items()})
+                rows[outcome.index] = row
+                lines.add(row)
+                if progress:
+                    progress(len(rows))
+    found = Sweep(
+        base.name,
+        keys,
+        tuple(rows[i] for i in sorted(rows)),
+        units,
+        perf_counter() - begun,
+        tuple(sorted(executors)),
+        {k: v for k in keys if (v := _value(nominal, k)) is not None},
+    )
+    if folder is not None:
+        write_table(found, folder / FIGURES)
+    return found
+
+
+def _assignments(
+    variations: Sequence[Axis] | Sequence[Assignment],
+) -> list[Mapping[str, Setting]]:
+    axes = [v for v in variations if isinstance(v, Axis)]
+    if axes and len(axes) != len(variations):
+        raise ScenarioError("a sweep takes axes or assignments, not both")
+    if axes:
+        return list(grid(axes))
+    return [v for v in variations if not isinstance(v, Axis)]
+
+
+def _groups(
+    base: Scenario,
+    nominal: Composition,
+    assignments: Sequence[Assignment],
+    sets: Sequence[str],
+    done: Mapping[int, Any],
+    making: Making,
+) -> Iterator[tuple[Runner, list[Job]]]:
+    """Yield every composition with the members that share it."""
+    jobs: dict[tuple[str, ...], list[Job]] = {}
+    for index, assignment in enumerate(assignments):
+        if index not in done:
+            values, more = split(nominal, assignment)
+            jobs.setdefault(more, []).append(Job(index, values))
+    for more, members in jobs.items():
+        composition = nominal
+        if more:
+            scenario = load_scenario(base.file, [*sets, *more])
+            with naming(scenario):
+                composition = compose(scenario, run_earlier)
+        yield making(composition, len(members)), members
+
+
+def _value(composition: Composition, key: str) -> float | None:
+    with suppress(FeedDriveError, ValueError, TypeError):
+        return composition.parameter(key).value
+    return None
+
+
+def nominal_value(scenario: str | Path, sets: Sequence[str]) -> Callable[[str], float]:
+    """Return the function that gives a key's value in the scenario as it stands.
+
+    Raises (the function):
+        ScenarioError: the key is no number of a component.
+    """
+    found = compose(load_scenario(scenario, list(sets)), run_earlier)
+
+    def nominal(key: str) -> float:
+        return found.parameter(key).value
+
+    return nominal
+
+
+def _row(outcome: Outcome, assignment: Assignment) -> dict[str, Any]:
+    figures = {
+        name: None
+        if isinstance(q, NoValue) or not isfinite(q.value)
+        else float(q.value)
+        for name, q in outcome.figures.items()
+    }
+    return {
+        "member": outcome.index,
+        **assignment,
+        **figures,
+        "met": outcome.met,
+        "broken": [c.figure for c in outcome.checks if not c.met],
+        "failure": outcome.failure,
+    }
+
+
+class _Lines:
+    """Outcomes on disk as they come, one JSON object a line."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self._file = (folder / MEMBERS).open("a", encoding="utf-8") if folder else None
+
+    def __enter__(self) -> "_Lines":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._file:
+            self._file.close()
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Append a member's row."""
+        if self._file:
+            self._file.write(json.dumps(row) + "\n")
+            self._file.flush()
+
+
+def _done(folder: Path, assignments: Sequence[Assignment]) -> dict[int, dict[str, Any]]:
+    """Return the rows that an earlier sweep into this folder has left.
+
+    Raises:
+        ScenarioError: they are of other members.
+    """
+    file = folder / MEMBERS
+    rows: dict[int, dict[str, Any]] = {}
+    for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
+        with suppress(json.JSONDecodeError):  # the last line of a killed sweep
+            row = json.loads(line)
+            rows[row["member"]] = row
+    for index, row in rows.items():
+        fits = index < len(assignments)
+        if not fits or any(row.get(k) != v for k, v in assignments[index].items()):
+            raise ScenarioError(
+                f"{file}: holds members of another sweep; give the same --vary, "
+                f"--sample and --seed, or another folder"
+            )
+    return rows
+
+
+def write_table(sweep: Sweep, file: Path) -> None:
+    """Write the members as a Parquet table, units of the figures as metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    columns: dict[str, list[Any]] = {}
+    names = _columns(sweep.rows)
+    for name in names:
+        values = [row.get(name) for row in sweep.rows]
+        if any(isinstance(v, str) for v in values):
+            values = [None if v is None else str(v) for v in values]
+        columns[name] = values
+    fields = []
+    for name, values in columns.items():
+        about = {"unit": sweep.units[name]} if name in sweep.units else None
+        fields.append(pa.field(name, pa.array(values).type, metadata=about))
+    table = pa.table(list(columns.values()), schema=pa.schema(fields))
+    partial: Any = file.with_suffix(".partial")
+    pyarrow.parquet.write_table(table, partial)
+    partial.replace(file)
+
+
+def _columns(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [name for name in names if name != "broken"]

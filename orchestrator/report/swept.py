@@ -1,0 +1,192 @@
+"""The page of a sweep: each figure over what was varied, with the expected border.
+
+Two varied keys give heat maps, one gives lines, more (or a sample) give points
+over each key in turn.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from orchestrator.evaluation.schema import Expectation
+from orchestrator.quantity import Quantity
+
+HEIGHT = 420
+FAILED = "#d1495b"
+HELD = "#1f5fa8"
+_STYLE = (
+    "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;"
+    "padding:0 1rem;color:#222}h1{font-size:1.4rem}.bad{color:#d1495b}"
+    "@media print{body{max-width:none}}"
+)
+
+
+def write_swept(
+    name: str,
+    keys: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    units: Mapping[str, str],
+    expect: Mapping[str, Expectation],
+    words: Sequence[str],
+    path: Path,
+) -> Path:
+    """Write the page and return its path; ``words`` are said above the pictures."""
+    parts = []
+    for i, figure in enumerate(_pictures(keys, rows, units, expect)):
+        parts.append(
+            figure.to_html(
+                full_html=False,
+                include_plotlyjs=i == 0,
+                config={"displaylogo": False, "responsive": True},
+            )
+        )
+    told = "".join(f"<p>{escape(line)}</p>" for line in words)
+    body = f"<h1>{escape(name)}</h1>{told}{''.join(parts)}"
+    path.write_text(
+        f"<!doctype html><meta charset=utf-8><title>{escape(name)}</title>"
+        f"<style>{_STYLE}</style>{body}",
+        encoding="utf-8",
+    )
+    return path
+
+
+def _pictures(
+    keys: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    units: Mapping[str, str],
+    expect: Mapping[str, Expectation],
+) -> Iterator[Any]:
+    for name, unit in units.items():
+        bounds = list(_bounds(expect.get(name), unit))
+        grid = len(keys) == 2 and len(rows) == len(
+            {row[keys[0]] for row in rows}
+        ) * len({row[keys[1]] for row in rows})
+        if grid:
+            yield _heat_map(name, unit, keys, rows, bounds)
+        elif keys:
+            yield _points(name, unit, keys, rows, bounds)
+
+
+def _bounds(expectation: Expectation | None, unit: str) -> Iterator[float]:
+    if expectation is None:
+        return
+    given = [expectation.below, expectation.above]
+    if expectation.near is not None and expectation.within is not None:
+        given += [
+            expectation.near - expectation.within,
+            expectation.near + expectation.within,
+        ]
+    for bound in given:
+        if bound is not None:
+            yield Quantity(bound, expectation.unit or unit).to(unit).value
+
+
+def _heat_map(
+    name: str,
+    unit: str,
+    keys: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    bounds: Sequence[float],
+) -> Any:
+    import plotly.graph_objects as go
+
+    x, y = (list(dict.fromkeys(row[key] for row in rows)) for key in keys)
+    known = {(row[keys[0]], row[keys[1]]): row.get(name) for row in rows}
+    z = [[known.get((a, b)) for a in x] for b in y]
+    picture = go.Figure(
+        go.Heatmap(
+            x=_labels(x),
+            y=_labels(y),
+            z=z,
+            colorscale="Viridis",
+            colorbar={"title": unit},
+        )
+    )
+    broken = [
+        (row[keys[0]], row[keys[1]])
+        for row in rows
+        if name in row["broken"] or row["failure"]
+    ]
+    picture.add_scatter(
+        x=[_label(a, x) for a, _ in broken],
+        y=[_label(b, y) for _, b in broken],
+        mode="markers",
+        marker={"symbol": "x", "color": FAILED, "size": 9},
+        name="not met",
+    )
+    for bound in bounds:
+        if all(isinstance(v, float) for v in (*x, *y)):
+            picture.add_contour(
+                x=x,
+                y=y,
+                z=z,
+                contours={
+                    "start": bound,
+                    "end": bound,
+                    "size": 1,
+                    "coloring": "lines",
+                },
+                line={"width": 3},
+                colorscale=[[0, FAILED], [1, FAILED]],
+                showscale=False,
+                name=f"expected border {bound:g} {unit}",
+            )
+    picture.update_layout(
+        title=f"{name} ({unit})",
+        xaxis_title=keys[0],
+        yaxis_title=keys[1],
+        height=HEIGHT,
+        template="plotly_white",
+        showlegend=False,
+    )
+    return picture
+
+
+def _labels(values: Sequence[Any]) -> list[Any]:
+    return [_label(v, values) for v in values]
+
+
+def _label(value: Any, among: Sequence[Any]) -> Any:
+    """Return a number where all are, else text: a category."""
+    return value if all(isinstance(v, float) for v in among) else str(value)
+
+
+def _points(
+    name: str,
+    unit: str,
+    keys: Sequence[str],
+    rows: Sequence[Mapping[str, Any]],
+    bounds: Sequence[float],
+) -> Any:
+    from plotly.subplots import make_subplots
+
+    picture = make_subplots(cols=len(keys), shared_yaxes=True, horizontal_spacing=0.03)
+    line = len(keys) == 1 and len(rows) < 200
+    for i, key in enumerate(keys, 1):
+        values = [row[key] for row in rows]
+        colours = [
+            FAILED if name in row["broken"] or row["failure"] else HELD for row in rows
+        ]
+        picture.add_scatter(
+            x=[_label(v, values) for v in values],
+            y=[row.get(name) for row in rows],
+            mode="lines+markers" if line else "markers",
+            line={"color": "#9db7d6"},
+            marker={"color": colours, "size": 6 if len(rows) < 1000 else 3},
+            showlegend=False,
+            row=1,
+            col=i,
+        )
+        picture.update_xaxes(title_text=key, row=1, col=i)
+    for bound in bounds:
+        picture.add_hline(
+            y=bound,
+            line={"color": FAILED, "dash": "dash"},
+            annotation_text=f"expected {bound:g}",
+        )
+    picture.update_yaxes(title_text=unit, row=1, col=1)
+    picture.update_layout(
+        title=f"{name} ({unit})", height=HEIGHT, template="plotly_white"
+    )
+    return picture

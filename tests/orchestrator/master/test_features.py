@@ -1,0 +1,166 @@
+"""The table feature x executor of docs/executors.md, walked: each cell is tried."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from foreign import foreign
+from systems import part, system
+
+from fmus.build import build
+from orchestrator.errors import FeedDriveError
+from orchestrator.master.fused.lanes import Lanes
+from orchestrator.master.simulate import plan, simulate
+from orchestrator.result import Result, Signal
+from orchestrator.system import Component, Fault, Isolation, Mapped, System
+
+PAGE = Path(__file__).parents[3] / "docs" / "executors.md"
+SMALL = Path(__file__).parents[2] / "fmus" / "small_models"
+EXECUTORS = ("python", "kernel", "fused", "lanes")
+
+
+def pair(**options: object) -> System:
+    parts = [
+        part("a", "counter", "1/1000"),
+        replace(part("b", "counter", "1/1000"), **options),
+    ]
+    return system("1/100", parts, {"b.u": "a.k"}, {"b.seen": "1/1000"})
+
+
+def controller(kind: str) -> Component:
+    file = build(str(SMALL / "pi.py"), kind=kind, period=Fraction(1, 1000))  # type: ignore[arg-type]
+    start = {"r": 1.0}
+    return Component("pi", file, Fraction(1, 1000), kind="sampled", start=start)
+
+
+def lag() -> System:
+    file, per = build(str(SMALL / "late.py")), {"u": Mapped("u", 2.0, 0.0, "N.m")}
+    plant = Component("late", file, Fraction(1, 1000), map=per)
+    wires = {"late.u": "pi.u"}
+    return system("1/50", [controller("native"), plant], wires, {"late.y": "1/1000"})
+
+
+def circle(g: float) -> System:
+    parts = [
+        part(n, "integrator", "1/10", start={"state.x": 1.0}, parameters={"g": g})
+        for n in "ab"
+    ]
+    wires = {"a.u": "b.z", "b.u": "a.z"}
+    return system("1/10", parts, wires, {"a.z": "1/10"})
+
+
+def faulty(*faults: Fault) -> System:
+    return replace(pair(), faults={"b.u": faults})
+
+
+def all_faults() -> System:
+    start, end = Fraction(2, 1000), Fraction(7, 1000)
+    kinds = [("bias", 0.3), ("gain", 1.7), ("quantisation", 0.4)]
+    laws = [Fault(kind, value, 0, start, end) for kind, value in kinds]  # type: ignore[arg-type]
+    late = Fault("delay", 0.0, 2, Fraction(0), None)
+    stuck = Fault("stuck", 0.0, 0, Fraction(8, 1000), None)
+    return faulty(*laws, late, stuck)
+
+
+def clocked() -> System:
+    parts = [
+        part("a", "counter", "1/1000", fmi=3),
+        part("b", "counter", "1/400", fmi=3),
+    ]
+    return system("1/100", parts, {"b.u": "a.k"}, {"b.seen": "1/400"})
+
+
+def twice() -> System:
+    given = pair()
+    rates = (Fraction(1, 1000), Fraction(1, 500))
+    return replace(given, record={"b.seen": rates})
+
+
+def alien(tmp_path: Path) -> System:
+    file = foreign(2, tmp_path)
+    one = Component(
+        "alien", file, Fraction(1, 1000), isolation=Isolation(process=False)
+    )
+    return system(
+        "1/100",
+        [part("a", "counter", "1/1000"), one],
+        {"alien.in_Real": "a.k"},
+        {"alien.out_Real": "1/1000", "a.k": "1/1000"},
+    )
+
+
+def apart(tmp_path: Path) -> System:
+    given = alien(tmp_path)
+    other = replace(given.components["alien"], isolation=Isolation(process=True))
+    return replace(given, components={**given.components, "alien": other})
+
+
+def python_fmu() -> System:
+    parts = [part("a", "counter", "1/1000"), controller("python")]
+    return system("1/100", parts, {}, {"pi.u": "1/1000", "a.k": "1/1000"})
+
+
+FEATURES: dict[str, Callable[[Path], System]] = {
+    "several rates": lambda _: system(
+        "1/100",
+        [part("a", "counter", "1/1000"), part("b", "counter", "1/400")],
+        {"b.u": "a.k"},
+        {"b.seen": "1/2000"},
+    ),
+    "offset": lambda _: pair(offset=Fraction(1, 3000)),
+    "latency": lambda _: pair(latency=2),
+    "gain and offset of a map": lambda _: pair(map={"u": Mapped("u", -2.0, 0.5)}),
+    "one signal at several rates": lambda _: twice(),
+    "dead time and own integration": lambda _: lag(),
+    "faults": lambda _: all_faults(),
+    "initial circle by substitution": lambda _: circle(0.5),
+    "initial circle by Newton": lambda _: circle(2.0),
+    "FMI 3 clock": lambda _: clocked(),
+    "FMU of others": alien,
+    "FMU in a process of its own": apart,
+    "Python FMU": lambda _: python_fmu(),
+}
+
+
+def written() -> dict[str, dict[str, str]]:
+    """Return the table of the page: feature -> executor -> what stands there."""
+    lines = [x for x in PAGE.read_text(encoding="utf-8").splitlines() if x[:1] == "|"]
+    head, _, *rows = ([c.strip() for c in x.strip("|").split("|")] for x in lines)
+    return {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
+
+
+def carried_out(given: System, executor: str, folder: Path) -> dict[str, Signal]:
+    if executor == "lanes":
+        (member,) = Lanes(plan(given), frozenset(given.record), 4).run([{}])
+        if member.unsettled:
+            raise FeedDriveError("its initial circle needs Newton's method")
+        if member.failure is not None:
+            raise member.failure
+        return dict(member.signals)
+    done: Result = simulate(given, folder / executor, executor=executor)  # type: ignore[arg-type]
+    return dict(done)
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_a_feature_runs_with_the_same_bits_or_is_refused_in_words(
+    feature: str, tmp_path: Path
+) -> None:
+    given = FEATURES[feature](tmp_path)
+    reference = carried_out(given, "python", tmp_path)
+    for executor in EXECUTORS:
+        cell = written()[feature][executor]
+        if cell.startswith("runs"):
+            found = carried_out(given, executor, tmp_path / "again")
+            for name, signal in reference.items():
+                np.testing.assert_array_equal(found[name].values, signal.values)
+        else:
+            with pytest.raises(FeedDriveError) as refused:
+                carried_out(given, executor, tmp_path / "again")
+            assert cell.removeprefix("refused: ").strip('"') in str(refused.value)
+
+
+def test_every_feature_has_its_row() -> None:
+    assert list(written()) == list(FEATURES)
