@@ -12,7 +12,7 @@ from orchestrator.instances.group import told
 
 
 @dynamic(
-    37,
+    38,
     "Continuous states can be set by name while an importer integrates",
     "FMI 3.0.2 sections 2.3 and 3.2; FMI 2.0.5 section 3.2.1 has only "
     "fmi2SetContinuousStates",
