@@ -78,7 +78,9 @@ def design(problem: Problem, solver: str = "CLARABEL") -> Design:
         NoSolution: the solver says so, or what it claims is impossible.
         ImportError: the extra ``synthesis`` is not installed.
     """
-    units, bound = balanced(problem.plant, problem.frozen, problem.time, problem.gain)
+    units, bound = balanced(
+        problem.plant, problem.frozen, problem.time, problem.gain, problem.floor
+    )
     best, used = eliminate(problem, units, solver)
     refuse_below(bound, best[0].gamma * units.gain, solver)
     plain = [
