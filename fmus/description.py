@@ -14,6 +14,7 @@ from fmus.layout import Layout
 from fmus.model import Continuous, Model, Sampled
 from fmus.quantities import FACTORS
 from fmus.subject import Fmi, Subject, check_start
+from fmus.tangent import tangent
 from fmus.units import base_unit
 from fmus.variables import arrays, given, scalars, types
 
@@ -98,7 +99,7 @@ def _interfaces(root: etree._Element, subject: Subject, fmi: Fmi) -> None:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if subject.native:
+    if subject.native and tangent(subject.traced) is not None:
         known = "providesDirectionalDerivative" + ("" if fmi == 2 else "s")
         common[known] = "true"
     if fmi == 2:

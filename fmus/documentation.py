@@ -1,11 +1,14 @@
 """The human-readable part of an FMU: index.html and the licence."""
 
+from collections.abc import Iterator
 from importlib.metadata import distribution
+from typing import Any
 
 from lxml import etree
 from lxml.builder import E
 
 from fmus.description import DISTRIBUTION
+from fmus.evidence import Response, block, curves
 from fmus.quantities import bounds, nominal, quantity
 from fmus.subject import Subject, role
 
@@ -26,8 +29,8 @@ COLUMNS = (
 SHOWN = 9  # start values of an array that are written out
 
 
-def index_html(subject: Subject) -> bytes:
-    """Return a page with the module's docstring and a table of all variables."""
+def index_html(subject: Subject, found: Response | None) -> bytes:
+    """Return a page with the module's docstring, pictures and all variables."""
     rows = [E.tr(*(E.th(name) for name in COLUMNS))]
     for variable in subject.layout.variables:
         causality, variability, _ = role(variable, subject.model)
@@ -48,7 +51,7 @@ def index_html(subject: Subject) -> bytes:
         rows.append(E.tr(*(E.td(cell) for cell in cells)))
     page = E.html(
         E.head(E.meta(charset="utf-8"), E.title(subject.model.name), E.style(STYLE)),
-        E.body(E.h1(subject.model.name), E.pre(subject.text.strip()), E.table(*rows)),
+        E.body(*_pictures(subject, found), E.table(*rows)),
         lang="en",
     )
     document: bytes = etree.tostring(
@@ -59,6 +62,17 @@ def index_html(subject: Subject) -> bytes:
         pretty_print=True,
     )
     return document
+
+
+def _pictures(subject: Subject, found: Response | None) -> Iterator[Any]:
+    yield E.h1(subject.model.name)
+    yield block(subject)
+    yield E.pre(subject.text.strip())
+    if found is None:
+        return
+    text = ", ".join(f"{name} = {value:g}" for name, value in found.inputs.items())
+    yield E.p(f"Response from the start values{' to ' if text else ''}{text}:")
+    yield curves(found)
 
 
 def _between(low: float | None, high: float | None) -> str:

@@ -80,14 +80,17 @@ def native_sources(
     from fmus.tangent import tangent
     from fmus.trace import c_code
 
-    functions = (*traced.functions.values(), tangent(traced))
+    direction = tangent(traced)
+    functions = [*traced.functions.values(), *([direction] if direction else [])]
+    names = {function.name() for function in functions}
     work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
+    told = {name: name if name in names else "0" for name in EQUATIONS}
     parts = [
         QUIET,
         c_code(model, functions),
         '#include "model.h"\n',
         *_tables(model, layout),
-        _model(model, traced, layout, identifier, token, clock, work),
+        _model(model, traced, layout, identifier, token, clock, work, told),
         _pool(model, traced, layout, work),
     ]
     return {MODEL_DATA: "\n".join(parts)}
@@ -154,6 +157,7 @@ def _model(
     token: str,
     clock: bool,
     work: Mapping[str, int],
+    equations: Mapping[str, str],
 ) -> str:
     offset, count = layout.offset, layout.count
     continuous = isinstance(model, Continuous)
@@ -184,15 +188,11 @@ def _model(
         "period_den": period[1],
         "delays": "delays",
         "n_delays": len(_delays(model, layout)),
-        **{name: _equation(name, traced) for name in EQUATIONS},
+        **equations,
         **work,
     }
     lines = [f"    {value}, /* {name} */" for name, value in fields.items()]
     return "\n".join(["const Model feeddrive_model = {", *lines, "};\n"])
-
-
-def _equation(name: str, traced: "Traced") -> str:
-    return name if name in (*traced.functions, "tangent") else "0"
 
 
 def _pool(

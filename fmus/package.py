@@ -24,6 +24,7 @@ from fmus.compile import (
 )
 from fmus.description import describe, extra
 from fmus.documentation import index_html, license_text
+from fmus.evidence import reference_files, response
 from fmus.layout import layout
 from fmus.load import BuildError, blame, load_model, load_module, sources
 from fmus.native_source import ALL, adapter_sources, native_sources
@@ -36,6 +37,7 @@ from fmus.python_fmu import (
     python_resources,
 )
 from fmus.subject import Fmi, Subject
+from fmus.terminals import terminal_files
 from fmus.trace import trace
 from fmus.units import UnitError
 
@@ -146,10 +148,12 @@ def _token(described: Sequence[bytes], files: Mapping[str, bytes]) -> str:
 
 def _common(subject: Subject, fmi: Fmi, token: str) -> dict[str, bytes]:
     license_file = "license.txt" if fmi == 2 else "licenses/license.txt"
-    return {
+    found = response(subject)
+    files = terminal_files(subject, fmi) | (reference_files(found) if found else {})
+    return files | {
         "modelDescription.xml": _described(subject, fmi, token),
         EXTRA: extra(subject),
-        "documentation/index.html": index_html(subject),
+        "documentation/index.html": index_html(subject, found),
         f"documentation/{license_file}": license_text(),
     }
 

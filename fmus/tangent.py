@@ -3,19 +3,24 @@
     tangent(x, u, p, d, T_s, dx, du) -> (d_der_x, d_y)
 
 The change of the state derivatives (none for a sampled model) and outputs for a
-change of states and inputs, at given parameters.  A step function (floor, sign,
-a comparison) does not change.
+change of states and inputs, at given parameters.  A comparison or sign does not
+change.  A model that rounds (an encoder's counts) has no tangent: its derivative
+is zero almost everywhere, and whoever asked would be misled.
 """
 
 import casadi as ca
 
 from fmus.trace import Traced
 
+ROUNDING = {ca.OP_FLOOR, ca.OP_CEIL}
 
-def tangent(traced: Traced) -> ca.Function:
-    """Return the directional derivatives of derivative, output and step."""
+
+def tangent(traced: Traced) -> ca.Function | None:
+    """Return the directional derivatives of derivative, output and step, if any."""
     functions = traced.functions
     names = ["derivative", "output"] if "derivative" in functions else ["step"]
+    if any(_rounds(functions[name]) for name in names):
+        return None
     first = functions[names[0]]
     arguments = dict(zip(first.name_in(), first.sx_in(), strict=True))
     arguments.setdefault("T_s", ca.SX.sym("T_s"))
@@ -39,3 +44,8 @@ def tangent(traced: Traced) -> ca.Function:
         ["x", "u", "p", "d", "T_s", "dx", "du"],
         ["d_der_x", "d_y"],
     )
+
+
+def _rounds(function: ca.Function) -> bool:
+    operations = map(function.instruction_id, range(function.n_instructions()))
+    return not ROUNDING.isdisjoint(operations)

@@ -12,7 +12,7 @@
        derivative(x, u, p, d) -> der_x           continuous
        output(x, u, p, d) -> y                   continuous
        advance(x, u, p, d, h) -> x_next          continuous, or NULL
-       tangent(x, u, p, d, T_s, dx, du) -> (d_der_x, d_y) */
+       tangent(x, u, p, d, T_s, dx, du) -> (d_der_x, d_y)     or NULL */
 #ifndef MODEL_H
 #define MODEL_H
 

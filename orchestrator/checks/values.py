@@ -213,3 +213,34 @@ def no_surprises(lab: Laboratory) -> Iterator[Said]:
                     f"lastSuccessfulTime = {reached:.9g} s"
                 )
                 return
+
+
+@dynamic(
+    37,
+    "What is set before the initialisation is what runs",
+    "FMI 2.0.5 section 4.2.4; FMI 3.0.2 section 2.3.2",
+    "overwrite nothing that was set, neither in fmi2SetupExperiment nor later",
+)
+def survives(lab: Laboratory) -> Iterator[Said]:
+    parameters = lab.movable_parameters
+    if not parameters:
+        raise NotApplicable("it has no real parameter that can be set")
+    with lab.instance() as one:
+        lab.trying("setting parameters before the experiment is set up")
+        for variable in parameters:
+            one.set(variable, excitation(variable, 0.02))
+        one.begin()
+        lost = [
+            variable.name
+            for variable in parameters
+            if not np.allclose(
+                one.get(variable), excitation(variable, 0.02), rtol=1e-6, atol=0
+            )
+        ]
+    if lost:
+        more = f" and {len(lost) - SHOWN} more" if len(lost) > SHOWN else ""
+        yield Finding(
+            f"after initialisation these are not what was set: "
+            f"{', '.join(lost[:SHOWN])}{more}"
+        )
+    yield f"{len(parameters)} parameters"

@@ -64,6 +64,10 @@ def second_opinion(
         print_json(asdict(found))
     else:
         print_opinion(found)
+    for signal, tools in found.against.items():
+        typer.echo(f"{signal}: {', '.join(tools)} agree against this run", err=True)
+    if found.against:
+        raise typer.Exit(1)
 
 
 def print_opinion(found: "SecondOpinion") -> None:

@@ -86,7 +86,7 @@ def _number(wrong: str, port: Port, given: float, fmi_major: int) -> float:
         )
         raise WiringError(f"{wrong}{became}; give {asked}")
     for bound, word in ((variable.min, "least"), (variable.max, "most")):
-        limit = _limit(bound)
+        limit = _limit(bound, variable.sort)
         if limit is None:
             continue
         beyond = Fraction(number) - limit
@@ -109,10 +109,12 @@ def _applied(affine: Affine, given: float) -> float:
     return affine.gain * given + affine.offset if affine.converts else given
 
 
-def _limit(bound: str | None) -> Fraction | None:
+def _limit(bound: str | None, sort: str) -> Fraction | None:
+    """Return a bound as the FMU has it: of a real number the nearest double."""
     try:
-        return Fraction(bound.strip()) if bound else None
-    except ValueError:  # an infinity bounds nothing
+        limit = Fraction(bound.strip()) if bound else None
+        return Fraction(float(limit)) if limit is not None and sort == "real" else limit
+    except (ValueError, OverflowError):  # an infinity bounds nothing
         return None
 
 

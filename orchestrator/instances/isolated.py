@@ -2,28 +2,24 @@
 
 The child is spawned with nothing of the caller's script and runs
 ``isolated_child.serve``.  Before the run and at its end, requests and answers go
-through a pipe.  While running, values lie in memory that both processes map (a
-file in the FMU's folder) and channel.c hands requests over; where there is no
-compiler for it, the handing over goes through the pipe too.
+through a pipe.  While running, values lie in memory that both processes map
+(``shared``) and channel.c hands requests over; where there is no compiler for it,
+the handing over goes through the pipe too.  What comes back is not believed
+(``frames``).
 
-A child that dies, or does not answer in time, ends the run with an error naming
-the FMU and what it was doing.  ``close`` leaves neither process nor file behind;
-a child whose master dies ends by itself.
+A child that dies, sends nonsense, or does not answer in time ends the run with an
+error naming the FMU and what it was doing.  ``close`` leaves neither process nor
+file behind, nor what the FMU has started, and says if the FMU did not survive its
+end; a child whose master dies ends by itself.
 """
 
 import ctypes
-import mmap
 import multiprocessing as mp
-import os
 import queue
-import signal
-import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from multiprocessing.connection import wait
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import numpy as np
@@ -34,16 +30,19 @@ from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.bundle import Bundle
+from orchestrator.instances.child import Child, how_ended
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
-from orchestrator.instances.isolated_child import CHANNEL, serve
+from orchestrator.instances.isolated_child import serve
 from orchestrator.instances.logs import LogMessage
-from orchestrator.instances.spawn import spawn
+from orchestrator.instances.shared import Shared
 from orchestrator.native import library as c
 from orchestrator.system import Isolation
+from orchestrator.warned import warn
 
 REFUSED, LATE, INTERRUPTED = 3, 17, 18  # as in channel.c
-LOADED_WITHIN = 60.0  # s for a child to start and load the FMU, at least
+BEGUN_WITHIN = 60.0  # s for a child to start, before it touches the FMU
+LOADED_WITHIN = 5.0  # s for a child to load the FMU, at least
 ENDING_WITHIN = 5.0  # s for a child to free its FMU
 
 
@@ -74,10 +73,9 @@ class IsolatedInstance:
         self._isolation, self._folder, self._log = isolation, folder, log
         self._requests: deque[str] = deque(maxlen=4)
         self._said: deque[LogMessage] = deque(maxlen=3)
-        self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         self._channel: c.Channel | None = None
         self._waiting = False  # for an answer through the pipe
-        self._loaded = False
+        self._loaded = self._failed = False
         self.outcome = c.Outcome()
         try:
             self._library: Any = c.library()
@@ -85,18 +83,19 @@ class IsolatedInstance:
             self._library = None
         self._link = c.Link(within=isolation.answer_within)
         self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
-        self._pipe, theirs = mp.get_context("spawn").Pipe()
-        self._child = spawn(
-            *(serve, theirs, name, description, folder, isolation.memory_limit),
+        self._child = Child(
+            *(serve, name, description, folder, isolation.memory_limit),
             self._library is not None,
+            log=self._hear,
+            ended=self._note_end,
         )
-        theirs.close()
-        self._listener = Thread(target=self._listen, daemon=True)
-        self._listener.start()
 
     def instantiate(self) -> None:
         if not self._loaded:
-            self._answer("load")  # not sooner, so that several children start at once
+            # not sooner, so that several children start at once
+            self._answer("start", BEGUN_WITHIN)
+            within = max(self._isolation.answer_within, LOADED_WITHIN)
+            self._answer("load", within)
             self._loaded = True
         self._ask("instantiate")
 
@@ -127,20 +126,22 @@ class IsolatedInstance:
         first_output: int,
     ) -> None:
         n, m = (sum(v.size for v in group) for group in (inputs, outputs))
-        size = ctypes.sizeof(c.Channel) + 8 * (n + m)
-        if self._channel is None:  # else the FMU was instantiated anew
-            with (self._folder / CHANNEL).open("x+b") as file:
-                file.write(bytes(size))  # its space is taken now, not at a later fault
-                file.flush()
-                self._memory = mmap.mmap(file.fileno(), size)
-        channel = c.Channel.from_buffer(self._memory)
+        self._request("bind", list(inputs), list(outputs))
+        child = self._child
+        try:
+            if self._channel is None:  # else the FMU was instantiated anew
+                self._memory = Shared.made(n + m, self._folder, child.pipe, child.pid)
+        except ConnectionError:
+            raise self._died("bind") from None
+        channel = self._memory.channel
         channel.doing = len(c.DOING)
-        self._ask("bind", list(inputs), list(outputs))
+        self._answer("bind")
         self._channel, self._names = channel, [v.name for v in inputs]
         self.outcome = channel.outcome
         self._link.channel, self._link.stale = ctypes.addressof(channel), 1
+        self._link.values = self._memory.place
         self._link.n_inputs, self._link.n_outputs = n, m
-        values = np.frombuffer(self._memory, offset=ctypes.sizeof(channel))
+        values = self._memory.values
         self._to = values[:n], vector[first_input : first_input + n]
         self._from = vector[first_output : first_output + m], values[n:]
         if self._library is not None:
@@ -196,16 +197,15 @@ class IsolatedInstance:
 
     def close(self) -> None:
         """Ask the child to free the instance and end; kill it if it does not."""
-        self._link.within = min(self._link.within, ENDING_WITHIN)
-        if self._child.is_alive() and not self._occupied():
-            with suppress(OSError, SimulationError):
+        within = self._link.within = min(self._link.within, ENDING_WITHIN)
+        if self._child.damaged and not self._failed:
+            self._warn("is damaged and killed: it sent what is no answer")
+        elif self._child.alive and not self._occupied():
+            with suppress(SimulationError):
                 self._leave()
-                self._pipe.send(("close",))
-                self._child.join(ENDING_WITHIN)
-        self._kill()
-        self._child.join()
-        self._listener.join()
-        self._pipe.close()
+                self._child.send("close")
+                self._say_how_it_ended(self._child.join(within), within)
+        self._child.close()
         if self._channel is not None:
             self._link.channel, self._channel = None, None
             self.outcome = c.Outcome()
@@ -213,19 +213,23 @@ class IsolatedInstance:
             with suppress(BufferError):
                 self._memory.close()
 
+    def _say_how_it_ended(self, code: int | None, within: float) -> None:
+        """Warn of an FMU that does not survive its own end; its rows are fine."""
+        if code == 0 or self._failed:
+            return
+        how = f"did not end within {within:g} s and is killed"
+        if code is not None:
+            how = f"ended with {how_ended(code)}"
+        self._warn(f"{how} when it was terminated and freed after the run")
+
+    def _warn(self, how: str) -> None:
+        where = f"{self.name} ({self.description.path.name})"
+        warn(f"{where}: its process {how}; what was recorded is complete")
+
     def _occupied(self) -> bool:
         channel = self._channel
         busy = channel is not None and channel.asked.number != channel.answered.number
         return self._waiting or busy
-
-    def _kill(self) -> None:
-        """Kill the child, if it is alive, and the tools that it started."""
-        if sys.platform == "win32":
-            self._child.kill()
-            return
-        with suppress(OSError):
-            os.killpg(self._child.pid, signal.SIGKILL)
-        self._child.kill()
 
     def _deliver(self) -> None:
         """Let inputs that were pushed reach the FMU."""
@@ -246,46 +250,42 @@ class IsolatedInstance:
             raise self.failed_step(0.0, status)
 
     def _ask(self, request: str, *arguments: Any) -> Any:
+        self._request(request, *arguments)
+        return self._answer(request)
+
+    def _request(self, request: str, *arguments: Any) -> None:
         self._requests.append(request.replace("_", " "))
         self._leave()
         self._link.stale = 1
-        with suppress(OSError):  # a child that is gone is noticed by the listener
-            self._pipe.send((request, *arguments))
-        return self._answer(request)
+        self._child.send(request, *arguments)
 
-    def _answer(self, request: str) -> Any:
+    def _answer(self, request: str, within: float = 0.0) -> Any:
         self._waiting = True
-        within = self._isolation.answer_within
-        if request == "load":
-            within = max(within, LOADED_WITHIN)
+        within = within or self._isolation.answer_within
+        if not self._loaded:
+            self._requests.append(request)
         try:
-            kind, value = self._answers.get(timeout=within)
+            kind, value = self._child.answer(within)
         except queue.Empty:
-            raise self._late() from None
+            raise self._late(within) from None
         self._waiting = False
         if kind == "error":
             raise value
         if kind == "ended":
-            self._answers.put((kind, value))
             raise self._died(self._doing())
         return value
 
-    def _listen(self) -> None:
-        """Take what comes up the pipe, until the child has ended; in a thread."""
-        with suppress(EOFError, OSError):
-            while self._pipe in wait([self._pipe, self._child.sentinel]):
-                kind, value = self._pipe.recv()
-                if kind == "log":
-                    self._said.append(value)
-                    self._log(self.name, value)
-                else:
-                    self._answers.put((kind, value))
-        self._link.ended = 1
-        self._answers.put(("ended", None))
+    def _hear(self, message: LogMessage) -> None:
+        self._said.append(message)
+        self._log(self.name, message)
 
-    def _late(self) -> SimulationError:
-        self._kill()
-        within = self._isolation.answer_within
+    def _note_end(self) -> None:
+        self._link.ended = 1
+
+    def _late(self, within: float | None = None) -> SimulationError:
+        self._failed = True
+        self._child.kill()
+        within = within or self._isolation.answer_within
         return SimulationError(
             f"{self.name} ({self.description.path.name}): no answer within "
             f"{within:g} s (answer_within) in {self._doing()}; its process is killed. "
@@ -293,11 +293,16 @@ class IsolatedInstance:
         )
 
     def _died(self, request: str) -> SimulationError:
-        self._child.join(ENDING_WITHIN)
-        code = self._child.exitcode
-        how = f"exit code {code}"
-        if code is not None and code < 0:
-            how = f"signal {-code} ({signal.Signals(-code).name})"
+        self._failed = True
+        if self._child.damaged:
+            self._child.kill()
+            return SimulationError(
+                f"{self.name} ({self.description.path.name}): its process is damaged: "
+                f"what it sent during {request} is no answer; it is killed. "
+                f"{self._history()}"
+            )
+        code = self._child.join(ENDING_WITHIN)
+        how = how_ended(code)
         remedy = ""
         if self._isolation.memory_limit is not None:
             remedy = f"; memory_limit is {self._isolation.memory_limit / 1e6:g} MB"
@@ -313,6 +318,8 @@ class IsolatedInstance:
         channel = self._channel
         if channel is None or channel.steps == 0 or channel.doing == len(c.DOING):
             return self._requests[-1] if self._requests else "load"
+        if not 0 <= channel.doing < len(c.DOING):
+            return "a call that its damaged process does not tell"
         word = c.DOING[channel.doing]
         kind = word if word == "doStep" else f"{word} before or after doStep"
         return f"{kind} of {channel.h:.9g} s at t = {channel.t:.9g} s"

@@ -1,13 +1,12 @@
 """What runs in the process of an isolated FMU: ``serve``.
 
-Requests come through the pipe (name and arguments; answered by ``("done", value)``
-or ``("error", error)``), or, once an FMU is bound, through the channel, until it
-says to leave.  Log messages go up the pipe as they come.  The process ignores
-Ctrl-C, which is the master's, and ends when the master is gone.
+Requests come through the pipe (name and arguments; answered by a frame ``done`` or
+``error``), or, once an FMU is bound, through the channel, until it says to leave.
+Log messages go up the pipe as they come.  The process ignores Ctrl-C, which is the
+master's, and ends when the master is gone, with all that the FMU has started.
 """
 
 import ctypes
-import mmap
 import multiprocessing as mp
 import os
 import signal
@@ -20,18 +19,17 @@ from threading import Lock, Thread
 from time import sleep
 from typing import Any, NoReturn
 
-import numpy as np
-
 from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.folders.temporary import sweep
+from orchestrator.instances.descendants import MARK, end_marked
+from orchestrator.instances.frames import encode
 from orchestrator.instances.group import group_table
 from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.shared import Shared
 from orchestrator.native import library as c
-
-CHANNEL = "feeddrive-channel"  # file in the folder of the FMU
 
 
 def serve(
@@ -51,7 +49,7 @@ def serve(
 
     def send(kind: str, value: Any) -> None:
         with lock, suppress(OSError):  # a master that is gone needs no answer
-            pipe.send((kind, value))
+            pipe.send_bytes(encode(kind, value))
 
     def log(_name: str, message: LogMessage) -> None:
         send("log", message)
@@ -59,7 +57,9 @@ def serve(
     try:
         if memory_limit is not None:
             _limit_memory(memory_limit)
-        server = _Server(load(name, description, folder, log), folder, shared)
+        _import_tools()
+        send("begun", None)  # from here on the FMU's own code may run
+        server = _Server(load(name, description, folder, log), folder, shared, pipe)
         send("done", None)
     except FeedDriveError as error:
         send("error", error)
@@ -87,8 +87,12 @@ def serve(
 class _Server:
     """The FMU and, once it is bound, the memory shared with the master."""
 
-    def __init__(self, instance: LocalInstance, folder: Path, shared: bool):
-        self.instance, self.folder, self.by_channel = instance, folder, shared
+    def __init__(
+        self, instance: LocalInstance, folder: Path, by_channel: bool, pipe: Any
+    ) -> None:
+        self.instance, self.folder, self.by_channel = instance, folder, by_channel
+        self.pipe = pipe
+        self.memory: Shared | None = None
         self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
@@ -99,13 +103,12 @@ class _Server:
     def bind(
         self, inputs: Sequence[FmuVariable], outputs: Sequence[FmuVariable]
     ) -> None:
-        with (self.folder / CHANNEL).open("r+b") as file:
-            memory = mmap.mmap(file.fileno(), 0)
-        self.shared = c.Channel.from_buffer(memory)
+        if self.memory is None:  # else the FMU was instantiated anew
+            self.memory = Shared.given(self.folder, self.pipe)
+        self.shared = self.memory.channel
         self.instance.outcome = self.shared.outcome
-        values = np.frombuffer(memory, offset=ctypes.sizeof(self.shared))
         n = sum(v.size for v in inputs)
-        self.instance.bind(values, inputs, 0, outputs, n)
+        self.instance.bind(self.memory.values, inputs, 0, outputs, n)
         if self.by_channel:
             self.kernel = self._kernel()
             self.listening = True
@@ -173,6 +176,13 @@ class _Server:
         self.exchange()
 
 
+def _import_tools() -> None:
+    """Import what loading an FMU needs, which is not the FMU's time."""
+    from fmpy import fmi2, fmi3
+
+    _ = fmi2, fmi3
+
+
 def _stand_alone(folder: Path) -> None:
     """Make this process independent of the terminal and of the master's end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -189,6 +199,8 @@ def _end_with_master(folder: Path) -> NoReturn:
     master = mp.parent_process()
     assert master is not None
     wait([master.sentinel])
+    if mark := os.environ.get(MARK):
+        end_marked(mark)
     for _ in range(1000):  # its lock on the folder may fall a little later
         sweep()
         if not folder.exists():

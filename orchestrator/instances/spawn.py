@@ -9,11 +9,15 @@ from types import ModuleType
 from typing import Any
 
 from fmus.own import HOME, found_elsewhere
+from orchestrator.instances.descendants import marked
 
 
-def spawn(target: Callable[..., None], *arguments: Any) -> Any:
-    """Start a process that neither runs the caller's script nor sees Ctrl-C."""
-    with _without_main(), _without_interrupts(), _at_home():
+def spawn(mark: str, target: Callable[..., None], *arguments: Any) -> Any:
+    """Start a process that neither runs the caller's script nor sees Ctrl-C.
+
+    It and what it starts have a mark (``descendants``).
+    """
+    with _without_main(), _without_interrupts(), _at_home(), marked(mark):
         context = mp.get_context("spawn")
         child = context.Process(target=target, args=arguments, daemon=True)
         child.start()

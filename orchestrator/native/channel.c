@@ -4,7 +4,7 @@
    own functions, with a Link for the instance) writes a request and then adds 1
    to `asked`; the process (channel_serve) carries it out on its FMU, with the
    kernel's operations, and then sets `answered` to the same number.  Whoever does
-   not wait owns everything else in the Channel: inputs, then outputs.
+   not wait owns everything else in the Channel, and the values.
 
    The master stops waiting when the process has ended, after `within` seconds, or
    when a signal arrives. */
@@ -32,11 +32,11 @@ typedef struct {
     double t, h; /* s */
     int64_t steps;
     Outcome outcome;
-    double values[];
 } Channel;
 
 typedef struct {
     Channel *channel;
+    double *values; /* inputs, then outputs, in memory that both map */
     size_t n_inputs, n_outputs;
     double within; /* s */
     int32_t stale; /* outputs in the channel are not those of the FMU now */
@@ -80,7 +80,7 @@ EXPORT int channel_ask(Link *link, int what) {
 EXPORT int channel_set(Link *link, const uint32_t *references, size_t n,
                        const double *values) {
     (void)references, (void)n;
-    memcpy(link->channel->values, values, link->n_inputs * sizeof(double));
+    memcpy(link->values, values, link->n_inputs * sizeof(double));
     link->channel->given = link->stale = 1;
     return OK;
 }
@@ -99,7 +99,7 @@ EXPORT int channel_get(Link *link, const uint32_t *references, size_t n,
                        double *values) {
     (void)references, (void)n;
     int how = link->stale ? channel_ask(link, EXCHANGE) : OK;
-    const double *outputs = link->channel->values + link->n_inputs;
+    const double *outputs = link->values + link->n_inputs;
     memcpy(values, outputs, link->n_outputs * sizeof(double));
     return how;
 }

@@ -212,7 +212,7 @@ class Turn(ctypes.Structure):
 
 
 class Channel(ctypes.Structure):
-    """What a master and the process of an FMU share; the values follow it."""
+    """What a master and the process of an FMU share besides values."""
 
     _fields_: ClassVar[Any] = [
         ("asked", Turn),
@@ -233,6 +233,7 @@ class Link(ctypes.Structure):
 
     _fields_: ClassVar[Any] = [
         ("channel", c_void_p),
+        ("values", c_void_p),
         ("n_inputs", c_size_t),
         ("n_outputs", c_size_t),
         ("within", c_double),

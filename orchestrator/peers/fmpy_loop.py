@@ -22,11 +22,12 @@ def rows(job: dict[str, Any]) -> Iterator[list[float]]:
     num, den = job["period"]
     models = {n: _load(n, job, c["fmu"]) for n, c in job["components"].items()}
     for name, component in job["components"].items():
+        fmu, major = models[name]
+        if major == 2:  # before start values, which some FMUs overwrite here
+            fmu.setupExperiment(startTime=0.0)
         for _, reference, sort, value in component["start"]:
             _set(models[name], reference, sort, value)
-    for fmu, major in models.values():
         if major == 2:
-            fmu.setupExperiment(startTime=0.0)
             fmu.enterInitializationMode()
         else:
             fmu.enterInitializationMode(startTime=0.0)

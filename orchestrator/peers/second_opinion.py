@@ -22,6 +22,7 @@ from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.start_values import Written
 from orchestrator.master.layout import Column, Wiring
 from orchestrator.master.simulate import plan, simulate
+from orchestrator.peers.agreement import Rows, against
 from orchestrator.peers.environment import (
     PEERS,
     Peer,
@@ -67,13 +68,15 @@ class PeerOpinion:
 @dataclass(frozen=True)
 class SecondOpinion:
     """All tools on one scenario; ``added`` names the components that act a sample
-    later in them than the scenario says."""
+    later in them than the scenario says, ``against`` the signals in which at least
+    three tools agree with each other and not with us, and those tools."""
 
     scenario: str
     step: str
     rows: int
     added: tuple[str, ...]
     peers: tuple[PeerOpinion, ...]
+    against: Mapping[str, tuple[str, ...]]
 
 
 def second_opinion(
@@ -95,12 +98,15 @@ def second_opinion(
         ours = simulate(alike, folder / "alike")
         job = peer_job(plan(alike).wiring)
         rows = len(next(iter(ours.values())))
+        wiring, rows_of = plan(alike).wiring, dict[str, dict[str, Rows]]()
         found = tuple(
-            _opinion(PEERS[name], job, plan(alike).wiring, ours, here, folder / name)
+            _opinion(PEERS[name], job, wiring, ours, here, folder / name, rows_of)
             for name in peers
         )
+        contrary = {n: against(ours[n].values, rows_of.get(n, {})) for n in ours}
     period = next(iter(written.components.values())).period
-    return SecondOpinion(scenario.name, str(period), rows, added, found)
+    contrary = {name: tools for name, tools in contrary.items() if tools}
+    return SecondOpinion(scenario.name, str(period), rows, added, found, contrary)
 
 
 def _recording(system: System) -> System:
@@ -245,7 +251,9 @@ def _opinion(
     ours: Result,
     here: Result,
     folder: Path,
+    rows_of: dict[str, dict[str, Rows]],
 ) -> PeerOpinion:
+    """Return one tool's opinion, and note its rows of every signal."""
     folder.mkdir()
     given = {**job, "folder": str(folder)}
     release = ""
@@ -262,6 +270,7 @@ def _opinion(
         theirs = column.affine.gain * values + column.affine.offset
         mine, written = ours[column.name], here[column.name].values
         shift = min(SHIFTS, key=lambda s: _apart(theirs, mine.values, at - s))
+        rows_of.setdefault(column.name, {})[peer.name] = at - shift, theirs
         signals.append(
             SignalOpinion(
                 column.name,

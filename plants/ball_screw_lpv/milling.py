@@ -47,8 +47,8 @@ class Parameters(NamedTuple):
     K_rc: Annotated[float, Var("Pa", "radial cutting constant")] = 0.540e9
     K_te: Annotated[float, Var("N/m", "tangential edge constant")] = 35e3
     K_re: Annotated[float, Var("N/m", "radial edge constant")] = 30e3
-    phi_st: Annotated[float, Var("rad", "a tooth enters", min=0, max=5)] = 0.0
-    phi_ex: Annotated[float, Var("rad", "a tooth leaves", min=0, max=5)] = np.pi / 2
+    phi_st: Annotated[float, Var("rad", "a tooth enters", min=0, max=np.pi)] = 0.0
+    phi_ex: Annotated[float, Var("rad", "a tooth leaves", min=0, max=np.pi)] = np.pi / 2
     t_on: Annotated[float, Var("s", "the cut begins", min=0)] = 0.0
     t_off: Annotated[float, Var("s", "the cut ends", min=0)] = 1e6
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from lxml import etree
+from outcomes import outcomes
 from rewritten import Edit, rewritten
 
 from fmus.build import build
@@ -240,3 +241,12 @@ def test_libraries_are_those_that_readelf_reads(tmp_path: Path) -> None:
     assert needed_libraries(data) == re.findall(r"\(NEEDED\).*\[(.*)\]", text)
     assert needed_libraries(data[:2000]) == []
     assert needed_libraries(b"MZ") == []
+
+
+@pytest.mark.parametrize(("fmi", "loses"), [(2, 1), (3, 3)])
+def test_values_that_do_not_survive_their_initialisation_are_found(
+    fmi: int, loses: int, tmp_path: Path
+) -> None:
+    assert found(outcomes(fmi, tmp_path), 37, "dynamic") == ""
+    said = found(outcomes(fmi, tmp_path, loses=loses), 37, "dynamic")
+    assert "these are not what was set: k" in said

@@ -92,6 +92,14 @@ def test_bounds_of_every_type_are_kept(tmp_path: Path, kind: str) -> None:
         start_values(component, read_fmu(fmu))
 
 
+@pytest.mark.parametrize("kind", ["Float64", "Float32"])
+@pytest.mark.parametrize("bound", ["0.3", "3.141592653589793", "5"])
+def test_a_value_on_its_bound_is_taken(tmp_path: Path, kind: str, bound: str) -> None:
+    fmu = described(tmp_path, 3, kind, f'max="{bound}"')
+    component = Component("a", fmu, Fraction(1), parameters={"k": float(bound)})
+    start_values(component, read_fmu(fmu))
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_items_of_an_enumeration_have_name_and_value(tmp_path: Path, fmi: int) -> None:
     items = '<Item name="off" value="1"/><Item name="on" value="4"/>'

@@ -19,7 +19,7 @@ from systems import part, system
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import read_fmu
-from orchestrator.instances import isolated
+from orchestrator.instances import child, isolated
 from orchestrator.master.simulate import Choice, simulate
 from orchestrator.result import Result
 from orchestrator.system import Component, Isolation, System
@@ -43,12 +43,12 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[A
     temporary.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
     children: list[int] = []
-    spawn = isolated.spawn
+    spawn = child.spawn
 
     def noted(*arguments: Any) -> Any:
-        child = spawn(*arguments)
-        children.append(child.pid)
-        return child
+        process = spawn(*arguments)
+        children.append(process.pid)
+        return process
 
     def alive(group: int) -> bool:
         try:
@@ -57,7 +57,7 @@ def left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[A
             return False
         return True
 
-    monkeypatch.setattr(isolated, "spawn", noted)
+    monkeypatch.setattr(child, "spawn", noted)
     return lambda: [
         *mp.active_children(),
         *filter(alive, children),

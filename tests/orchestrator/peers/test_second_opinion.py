@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from systems import MODELS
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from orchestrator.cli import app
+from orchestrator.cli import second_opinion as command
 from orchestrator.errors import ScenarioError
 from orchestrator.peers import environment
 from orchestrator.peers import second_opinion as opinions
@@ -142,6 +143,34 @@ def test_the_command_prints_one_column_per_tool() -> None:
     assert "act one sample later" in printed.output
     as_json = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)
     assert as_json["peers"][0]["signals"][0]["label_offset"] == 0
+
+
+def test_three_tools_that_agree_against_us_are_believed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def apart(by: Mapping[str, float]) -> Result:
+        def carried(peer: environment.Peer, job: Mapping[str, Any]) -> NDArray[Any]:
+            k = np.arange(job["count"] + 1)
+            # a.k, which the others hear a sample late, and b.seen
+            columns = k * job["step"], np.maximum(k - 1.0, 0), np.maximum(k - 2.0, 0)
+            table = np.array(columns).T
+            table[5:, 2] += by.get(peer.name, 0.0)
+            return table
+
+        monkeypatch.setattr(opinions, "carry_out", carried)
+        monkeypatch.setattr(opinions, "version", lambda *_: "0")
+        monkeypatch.setattr(opinions, "python_of", lambda _: Path("python"))
+        monkeypatch.setattr(command, "load", lambda *_: two_counters())
+        tools = [part for name in by for part in ("--tool", name)]
+        return CliRunner().invoke(app, ["second-opinion", "two", *tools])
+
+    three = ("fmpy", "ecospy", "libcosimpy")
+    assert apart(dict.fromkeys(three, 0.0)).exit_code == 0
+    assert apart(dict.fromkeys(three[:2], 0.5)).exit_code == 0  # two are too few
+    assert apart(dict(zip(three, (0.5, 1.0, 2.0), strict=True))).exit_code == 0
+    found = apart(dict.fromkeys(three, 0.5))
+    assert found.exit_code == 1
+    assert "b.seen: fmpy, ecospy, libcosimpy agree against this run" in found.stderr
 
 
 def test_a_tool_nobody_knows_is_refused_by_name() -> None:

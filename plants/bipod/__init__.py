@@ -1,0 +1,1 @@
+"""Bipod: a parallel machine of two sliders on one rail."""

@@ -1,0 +1,111 @@
+/* An FMI 2.0 co-simulation FMU that attacks its host in the way HOW says, in its third
+   step or later; config.h as for foreign.c.  Until then y = u + t. */
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#define _GNU_SOURCE
+#include "config.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define EXPORT __attribute__((visibility("default")))
+#define DESCRIPTORS 256
+
+enum { OK, WARNS, DISCARD, ERROR };
+enum {
+    WELL, WRITES, CLOSES, CUTS, DAEMON, CONSTRUCTOR, CRASH_IN_TERMINATE, CRASH_IN_FREE,
+    HANG_IN_TERMINATE, BEYOND, BEFORE
+};
+
+typedef struct {
+    double real[3];
+    int steps;
+} Instance;
+
+static void crash(void) {
+    *(volatile int *)8 = 1;
+}
+
+static void hang(void) {
+    for (volatile int n = 0;; n++)
+        ;
+}
+
+__attribute__((constructor)) static void loaded(void) {
+    if (HOW == CONSTRUCTOR)
+        hang();
+}
+
+/* Leave a process that has a session of its own and no parent. */
+static void leave_daemon(void) {
+    if (fork())
+        return;
+    setsid();
+    if (fork())
+        _exit(0);
+    for (;;)
+        pause();
+}
+
+static void attack(void) {
+    static const char noise[64] = {0, 0, 0, 9, '[', '"', 'd'};
+    for (int d = 3; d < DESCRIPTORS; d++) {
+        if (HOW == WRITES && write(d, noise, sizeof noise) < 0)
+            continue;
+        if (HOW == CUTS && ftruncate(d, 0) < 0)
+            continue;
+        if (HOW == CLOSES)
+            close(d);
+    }
+    if (HOW == DAEMON)
+        leave_daemon();
+}
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid,
+                             const char *resources, const void *callbacks, int visible,
+                             int logging) {
+    return calloc(1, sizeof(Instance));
+}
+
+EXPORT void FREE(Instance *i) {
+    if (HOW == CRASH_IN_FREE)
+        crash();
+    free(i);
+}
+
+EXPORT int TERMINATE(void *i) {
+    if (HOW == CRASH_IN_TERMINATE)
+        crash();
+    if (HOW == HANG_IN_TERMINATE)
+        hang();
+    return OK;
+}
+
+EXPORT int fmi2SetupExperiment(void *i, int a, double b, double c, int d, double e) {
+    return OK;
+}
+EXPORT int ENTER(void *i) { return OK; }
+EXPORT int EXIT(void *i) { return OK; }
+
+EXPORT int fmi2GetReal(Instance *i, const unsigned *r, size_t n, double *values) {
+    for (size_t k = 0; k < n; k++)
+        values[k] = i->real[r[k]];
+    if (i->steps > 2 && (HOW == BEYOND || HOW == BEFORE))
+        memset(HOW == BEYOND ? values + n : values - 600, 7, 4800);
+    return OK;
+}
+EXPORT int fmi2SetReal(Instance *i, const unsigned *r, size_t n, const double *values) {
+    for (size_t k = 0; k < n; k++)
+        i->real[r[k]] = values[k];
+    return OK;
+}
+
+EXPORT int fmi2DoStep(Instance *i, double t, double h, int no_set_state) {
+    i->real[1] = i->real[0] + t + h;
+    if (++i->steps == 3)
+        attack();
+    return OK;
+}
+
+ABSENT

@@ -1,0 +1,187 @@
+"""An FMU that attacks its host ends by name and within its time, and leaves nothing."""
+
+import os
+import pickle
+import sys
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+import pytest
+from foreign import compile_source, packed
+from systems import system
+
+from orchestrator.errors import SimulationError
+from orchestrator.instances.descendants import MARK
+from orchestrator.instances.frames import Damaged, decode, encode
+from orchestrator.instances.logs import LogMessage
+from orchestrator.master.simulate import Choice, simulate
+from orchestrator.result import Result
+from orchestrator.system import Component, Isolation
+from orchestrator.warned import collecting
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="the hostile FMU and its traces are of Linux"
+)
+SOURCE = Path(__file__).parents[1] / "broken" / "hostile.c"
+HOW = (
+    *("well", "writes", "closes", "cuts", "daemon", "constructor"),
+    *("crash in terminate", "crash in free", "hang in terminate", "beyond", "before"),
+)
+EXECUTORS: list[Choice] = ["kernel", "python"]
+DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="x">
+  <CoSimulation modelIdentifier="hostile"
+    canHandleVariableCommunicationStepSize="true"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="0" causality="input"
+      variability="continuous"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="1" causality="output"
+      variability="continuous"><Real/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2" dependencies="1"/></Outputs>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+WITHIN = 2.0  # s, answer_within
+
+
+def hostile(folder: Path, how: str) -> Component:
+    library = compile_source(2, SOURCE, folder, (), {"HOW": HOW.index(how)})
+    fmu = packed(2, folder, library, DESCRIPTION)
+    isolation = Isolation(process=True, answer_within=WITHIN)
+    return Component("bad", fmu, Fraction(1, 1000), isolation=isolation)
+
+
+def run(folder: Path, how: str, executor: Choice = "kernel") -> Result:
+    whole = system("1/100", [hostile(folder, how)], record={"bad.y": "1/1000"})
+    return simulate(whole, folder / "run", executor=executor)
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_left() -> Iterator[None]:
+    begun = monotonic()
+    yield
+    assert list(marked()) == []
+    assert monotonic() - begun < 60  # no hang; loaded machines start slowly
+
+
+def marked() -> Iterator[int]:
+    """Give the processes that FMUs of this test run in, or started."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "environ").read_bytes()
+        except OSError:
+            continue
+        if f"{MARK}={os.getpid()}-".encode() in words:
+            yield int(folder.name)
+
+
+def assert_whole(result: Result) -> None:
+    expected = [0.0, *(k / 1000 for k in range(1, 11))]
+    np.testing.assert_allclose(result["bad.y"].values, expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("executor", EXECUTORS)
+@pytest.mark.parametrize("how", ["writes", "closes"])
+def test_what_spoils_its_descriptors_is_named_and_its_rows_are_right(
+    tmp_path: Path, how: str, executor: Choice
+) -> None:
+    """By an error if it is seen while the run goes on, by a warning at its end."""
+    with collecting() as told:
+        try:
+            run(tmp_path, how, executor)
+        except SimulationError as error:
+            told.append(str(error))
+    assert told[0].startswith("bad (hostile2.fmu): its process ")
+    kept = Result(tmp_path / "run")["bad.y"].values
+    assert 2 <= len(kept) <= 11
+    np.testing.assert_allclose(kept, np.arange(len(kept)) / 1000, atol=1e-15)
+
+
+@pytest.mark.parametrize("executor", EXECUTORS)
+@pytest.mark.parametrize("how", ["well", "cuts", "daemon"])
+def test_shared_memory_cannot_be_cut_and_daemons_end_with_the_run(
+    tmp_path: Path, how: str, executor: Choice
+) -> None:
+    with collecting() as warnings:
+        assert_whole(run(tmp_path, how, executor))
+    assert warnings == []
+
+
+def test_a_constructor_without_end_is_named(tmp_path: Path) -> None:
+    text = r"no answer within 5 s \(answer_within\) in load; its process is killed"
+    with pytest.raises(SimulationError, match=text):
+        run(tmp_path, "constructor")
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        (
+            "crash in terminate",
+            "its process ended with signal 11 (SIGSEGV) when",
+        ),
+        ("crash in free", "its process ended with signal 11 (SIGSEGV) when"),
+        ("hang in terminate", "its process did not end within 2 s and is killed when"),
+    ],
+)
+def test_what_does_not_survive_its_end_is_warned_of_and_the_rows_are_fine(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with collecting() as warnings:
+        assert_whole(run(tmp_path, how))
+    (warning,) = warnings
+    assert warning.startswith(f"bad (hostile2.fmu): {said}")
+    assert warning.endswith("what was recorded is complete")
+
+
+@pytest.mark.parametrize("how", ["beyond", "before"])
+def test_what_writes_beside_its_values_crashes_where_it_does(
+    tmp_path: Path, how: str
+) -> None:
+    with pytest.raises(SimulationError, match=r"SIGSEGV\) during get"):
+        run(tmp_path, how)
+
+
+class Spoon:
+    """What a pickle would carry out."""
+
+    def __reduce__(self) -> tuple[object, tuple[str]]:
+        return os.system, ("touch /tmp/feeddrive-escaped",)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        pickle.dumps(("done", Spoon())),
+        b"",
+        b"\xff",
+        b"[" * 100_000,
+        b'["done"]',
+        b'["done", "text"]',
+        b'["done", [1, [2]]]',
+        b'["done", [{"hex": "0g"}]]',
+        b'["nothing", null]',
+        b'["error", {"error": "SystemExit", "text": "x"}]',
+        b'["error", {"by": "x", "at": "soon", "reason": "x"}]',
+        b'["log", {"status": "OK"}]',
+        b'{"done": null}',
+        b"null",
+    ],
+)
+def test_what_is_no_frame_is_not_believed(data: bytes) -> None:
+    with pytest.raises(Damaged):
+        decode(data)
+    assert not Path("/tmp/feeddrive-escaped").exists()
+
+
+def test_frames_carry_what_they_are_given() -> None:
+    values = [1.5, -0.0, 2**63 + 1, float("inf"), 5e-324, True, "a b", b"\0\xff"]
+    assert decode(encode("done", values)) == ("done", values)
+    message = LogMessage("Error", "motor", "it's \x1b[2J on fire", 0.25)
+    assert decode(encode("log", message)) == ("log", message)
+    kind, error = decode(encode("error", SimulationError("broken")))
+    assert (kind, type(error), str(error)) == ("error", SimulationError, "broken")
