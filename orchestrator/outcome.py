@@ -55,6 +55,11 @@ class Run(Result):
             },
             "diverged": self.diverged,
             "ended": self.ended and asdict(self.ended),
+            "values": {
+                f"{name}.{key}": list(value) if isinstance(value, tuple) else value
+                for name, component in self.composition.system.components.items()
+                for key, value in component.values.items()
+            },
             "warnings": list(self.warnings),
             "undriven": [asdict(one) for one in self.composition.undriven],
             "not_taken_over": [asdict(o) for o in self.composition.not_taken_over],

@@ -179,7 +179,9 @@ def refuse_metrics(composition: Composition) -> None:
             try:
                 composition.refuse_text(signal)
             except ScenarioError as error:
-                raise ScenarioError(f"metrics.{name}.{key}: {error}") from None
+                raise ScenarioError(
+                    f"metrics.{name}.{key}: {signal}: {error}"
+                ) from None
             if not any(r == signal or signal.startswith(f"{r}[") for r in recorded):
                 raise ScenarioError(
                     f"metrics.{name}.{key}: {signal} is not recorded; add "

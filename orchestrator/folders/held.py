@@ -15,12 +15,17 @@ LOCK = ".in-use"
 PATIENCE = 0.2  # s; whoever only looks holds it for a moment
 
 
+class FolderHeld(OSError):
+    """Another process, or another place of this one, holds the folder."""
+
+
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
     """Hold a folder.
 
     Raises:
-        OSError: another process, or another place of this one, holds it.
+        FolderHeld: another process, or another place of this one, holds it.
+        OSError: nothing can be written there.
     """
     lock = os.open(folder / LOCK, os.O_CREAT | os.O_RDWR, 0o600)
     try:
@@ -56,7 +61,7 @@ def _take_soon(lock: int) -> None:
             return _take(lock)
         except OSError:
             if monotonic() > end:
-                raise
+                raise FolderHeld("another process holds this folder") from None
         sleep(0.01)
 
 

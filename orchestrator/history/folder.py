@@ -26,7 +26,7 @@ from typing import Any, Literal, TypeAlias
 
 from orchestrator.errors import FeedDriveError, Interrupted, ScenarioError
 from orchestrator.folders.held import LOCK as HELD
-from orchestrator.folders.held import held
+from orchestrator.folders.held import FolderHeld, held
 from orchestrator.result import reached
 
 RUNS = Path("runs")
@@ -91,11 +91,11 @@ def taken(
                     _forget(place)
                     raise
                 error.folder = None if rows is None else place.path
-            interrupted = isinstance(error, KeyboardInterrupt)
+            interrupted = isinstance(error, KeyboardInterrupt | Interrupted)
             how = "interrupted" if interrupted else "failed"
             with suppress(OSError):  # the disk may be full: the first error counts
                 _write(place.path / ENDED, {"how": how, "why": str(error)})
-            if not interrupted or rows is None:
+            if not isinstance(error, KeyboardInterrupt) or rows is None:
                 raise
             told = Interrupted(
                 f"interrupted at t = {rows:g} s; the rows until then are in "
@@ -141,7 +141,7 @@ def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
         )
     try:
         stack.enter_context(held(folder))
-    except OSError:
+    except FolderHeld:
         raise ScenarioError(
             f"{folder}: another run is writing there; give another folder with -o"
         ) from None

@@ -100,7 +100,9 @@ def _entry(folder: Path, root: Path) -> Entry | None:
     begun = _read(folder / BEGUN)
     if not begun:  # it is just being made
         return None
-    held = is_held(folder)
+    held = False
+    with suppress(OSError):  # of another user: it is not ours to say more
+        held = is_held(folder)
     summary, ended = _read(folder / METRICS), _read(folder / ENDED)
     state: State = "killed"
     if summary:

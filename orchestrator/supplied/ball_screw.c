@@ -8,6 +8,7 @@
    inertias are in mV s2/rad.  Classical Runge-Kutta with 12.5 us inside. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "fmi2Functions.h"
 
@@ -18,6 +19,7 @@ static const double START[COUNT] = {
     [TEMPERATURE] = 20.0, [INERTIA_MOTOR] = 1.858, [INERTIA_TABLE] = 0.379,
     [BEARING] = 1.020, [STIFFNESS] = 210.02, [NUT] = 14.0, [LEAD] = 20.0,
 };
+static const char GUID[] = "{5c1d6b0e-drive-20}";
 static const double INSIDE = 12.5e-6;
 static const double TURN = 6.283185307179586;
 
@@ -72,8 +74,9 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid,
                               fmi2String place, const fmi2CallbackFunctions *host,
                               fmi2Boolean visible, fmi2Boolean logging)
 {
-    (void)name, (void)guid, (void)place, (void)host, (void)visible, (void)logging;
-    Drive *d = type == fmi2CoSimulation ? malloc(sizeof *d) : NULL;
+    (void)name, (void)place, (void)host, (void)visible, (void)logging;
+    int right = type == fmi2CoSimulation && guid && strcmp(guid, GUID) == 0;
+    Drive *d = right ? malloc(sizeof *d) : NULL;
     if (d)
         reset(d);
     return d;

@@ -1,6 +1,7 @@
 /* Model exchange, FMI 2.0 and 3.0 (config.h): s is the state x (x' = rate + decay x),
    the time or the input u, as `by` says 0, 1 or 2; z = sign (s - level) is its event
-   indicator; `on` is z > 0, renewed in event mode only, `changed` when that was. */
+   indicator; `on` is z > 0, renewed in event mode only, `changed` when that was.  With
+   `ends` the run is to end where it comes on. */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #include "config.h"
 
@@ -12,7 +13,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #define ERROR 3
 
-enum { X, DER_X, U, ON, CHANGED, CHANGES, RATE, DECAY, BY, SIGN, LEVEL, COUNT };
+enum { X, DER_X, U, ON, CHANGED, CHANGES, RATE, DECAY, BY, SIGN, LEVEL, ENDS, COUNT };
 
 typedef struct {
     double v[COUNT], time;
@@ -34,6 +35,7 @@ static double indicator(const Switch *m) {
     return m->v[SIGN] * (s - m->v[LEVEL]);
 }
 
+/* Returns whether the run is to end. */
 static int update(Switch *m) {
     double on = indicator(m) > 0;
     if (!m->initial && on != m->v[ON]) {
@@ -42,7 +44,7 @@ static int update(Switch *m) {
     }
     m->v[ON] = on;
     m->initial = 0;
-    return 0;
+    return on && m->v[ENDS];
 }
 
 static int get(Switch *m, const uint32_t *r, size_t n, double *v) {
@@ -79,7 +81,8 @@ EXPORT int fmi2SetReal(Switch *m, const uint32_t *r, size_t n, const double *v) 
 }
 EXPORT int fmi2NewDiscreteStates(Switch *m, Event *event) {
     memset(event, 0, sizeof *event);
-    return update(m);
+    event->over = update(m);
+    return 0;
 }
 EXPORT int fmi2CompletedIntegratorStep(Switch *m, int no, int *event, int *over) {
     return *event = *over = 0;
@@ -100,8 +103,8 @@ EXPORT int fmi3SetFloat64(Switch *m, const uint32_t *r, size_t n, const double *
 EXPORT int fmi3UpdateDiscreteStates(Switch *m, _Bool *again, _Bool *over,
                                     _Bool *nominals, _Bool *values, _Bool *timed,
                                     double *when) {
-    *again = *over = *nominals = *values = *timed = 0;
-    return update(m);
+    *again = *nominals = *values = *timed = 0;
+    return *over = update(m), 0;
 }
 EXPORT int fmi3CompletedIntegratorStep(Switch *m, _Bool no, _Bool *event, _Bool *over) {
     return *event = *over = 0;

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import Interrupted, ScenarioError, SimulationError
-from orchestrator.folders.held import held, is_held
+from orchestrator.folders.held import FolderHeld, held, is_held
 from orchestrator.history.folder import RUNS, Begun, taken
 from orchestrator.history.listing import entries, find, remove
 from orchestrator.result import Result
@@ -143,6 +143,20 @@ def test_an_error_says_where_rows_are_and_a_refusal_leaves_no_folder(
     assert not Path("runs/other").exists()
 
 
+def test_an_interrupted_member_interrupts_its_comparison(here: Path) -> None:
+    def begun() -> None:
+        with (
+            taken(None, Begun("demo", "demo")) as place,
+            taken(place.path / "one", BEGUN) as member,
+        ):
+            rows_of(member.path)
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match="demo/1/one/result"):
+        begun()
+    assert [e.state for e in entries(RUNS)] == ["interrupted"]
+
+
 def ended(error: BaseException, begun: Begun, *, rows: bool = False):
     """Return what leaves the folder of a run that an error ends."""
 
@@ -198,7 +212,7 @@ def test_a_folder_that_is_held_is_not_removed(here: Path) -> None:
     with taken(None, BEGUN) as place:
         with pytest.raises(ScenarioError, match="snap/1 is under way"):
             remove(entries(RUNS))
-        with pytest.raises(OSError, match="unavailable"), held(place.path):
+        with pytest.raises(FolderHeld), held(place.path):
             pass
     assert not is_held(place.path)
 

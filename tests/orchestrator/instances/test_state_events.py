@@ -11,11 +11,11 @@ from broken import SOURCES
 from foreign import compile_source, packed
 from systems import part, system
 
-from orchestrator.master.simulate import simulate
-from orchestrator.system import Component
+from orchestrator.master.simulate import Choice, simulate
+from orchestrator.system import Component, Isolation
 
 NAMES = ("x", "der_x", "u", "on", "changed", "changes")
-PARAMETERS = {"rate": 1, "decay": 0, "by": 0, "sign": 1, "level": 0}
+PARAMETERS = {"rate": 1, "decay": 0, "by": 0, "sign": 1, "level": 0, "ends": 0}
 STATE, TIME, INPUT = 0, 1, 2
 
 # what is crossed how, with steps of 1 s; on at t = 0, 1, 2, 3 and when it changed
@@ -82,6 +82,28 @@ def test_an_input_that_reaches_zero_exactly_changes_nothing_and_beyond_it_does(
     assert list(u) == [0, 1, 2, 3, 4]
     # what was published at a point acts in the step that begins there
     assert list(on[1:]) == [float(value > 1) for value in u[:-1]]
+
+
+@pytest.mark.parametrize(
+    ("fmi", "executor", "apart"),
+    [(2, "kernel", False), (3, "python", False), (3, "kernel", True)],
+)
+def test_an_event_may_end_the_run(
+    tmp_path: Path, switches: dict[int, Path], fmi: int, executor: Choice, apart: bool
+) -> None:
+    a = Component(
+        "a",
+        switches[fmi],
+        Fraction(1),
+        parameters={"level": 1.5, "ends": 1},
+        isolation=Isolation(process=apart),
+    )
+    given = system("3", [a], {}, {"a.x": "1"})
+    found = simulate(given, tmp_path, executor=executor)
+    assert found.ended is not None
+    assert found.ended.by == "a"
+    assert found.ended.at == pytest.approx(1.5)
+    assert len(found["a.x"]) == 2
 
 
 def _switch(fmi: int, folder: Path) -> Path:
