@@ -14,6 +14,7 @@ from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.structure import is_structural
 from orchestrator.fmu.typed import Held
+from orchestrator.instances.doing import mark
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import (
     DISCARD,
@@ -235,14 +236,17 @@ class LocalInstance:
             ]
 
     def push(self) -> None:
+        mark(self.name, "set")
         for group in self.inputs:
             group.push()
 
     def pull(self) -> None:
+        mark(self.name, "get")
         for group in self.outputs:
             group.pull()
 
     def step(self, t: float, h: float) -> None:
+        mark(self.name, "doStep")
         self.clock.value = t
         if not self._fmi2:
             self._reached.value = t + h
@@ -286,6 +290,7 @@ class LocalInstance:
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
+        mark(self.name, "terminate and free")
         if self.slave is None:
             return
         with suppress(Exception):
@@ -307,7 +312,8 @@ class _Named:
     def __init__(self, instance: LocalInstance, function: str) -> None:
         self.instance, self.function = instance, function
 
-    def __enter__(self) -> None: ...
+    def __enter__(self) -> None:
+        mark(self.instance.name, self.function)
 
     def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
         if error is None or isinstance(error, FeedDriveError):
