@@ -203,6 +203,15 @@ def test_what_an_exporter_left_out_is_filled_in_and_told():
     assert per_minute.base.rad == 0  # turns per minute by its own definition
 
 
+def test_one_name_is_one_unit_if_only_one_side_defines_it():
+    turns = unit_of_fmu("rpm", BaseUnit(s=-1, factor=1 / 60))
+    gain, offset, (doubt,) = conversion(turns, unit_of_fmu("rpm", None))
+    assert (gain, offset) == (1.0, 0.0)
+    assert "without defining it; taken as the other's" in doubt
+    with pytest.raises(TurnError):
+        conversion(turns, unit_of_fmu("rpm", BaseUnit(rad=1, s=-1, factor=0.1047)))
+
+
 def test_a_unit_that_nobody_defines_passes_as_it_is_and_is_told(fmu_of):
     bits = unit_of_fmu("bits", None)
     (out,) = ports(*fmu_of(bits), "x")
@@ -261,7 +270,7 @@ def test_result_files_keep_the_definition(pair):
 
 
 UNITS = """<UnitDefinitions><Unit name="grd"><BaseUnit K="1" offset="273.15"/></Unit>
-<Unit name="none"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
+<Unit name="furlong"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
 TYPES = {
     2: '<SimpleType name="T"><Real unit="grd" relativeQuantity="true"/></SimpleType>',
     3: '<Float64Type name="T" unit="grd" relativeQuantity="true"/>',
@@ -280,7 +289,7 @@ def test_units_are_read_from_variable_and_type(fmi, tmp_path):
         "not_so": 'declaredType="T" relativeQuantity="false"',
         "own": 'unit="grd" relativeQuantity="1"',
         "value": 'unit="grd"',
-        "void": 'unit="none"',
+        "void": 'unit="furlong"',
         "bare": "",
     }
     variables = "".join(
