@@ -15,7 +15,7 @@ STUDY = "ball_screw_pole_placement"
 def demo() -> None:
     """Command, tracking errors and control signal of both controllers at 500 mm/s."""
     runs = {
-        "P-PI cascade, set A": run(f"{STUDY}/p_pi_a_track_500", report=False),
+        "P-PI cascade, set C": run(f"{STUDY}/p_pi_c_track_500", report=False),
         "MC-PPC": run(f"{STUDY}/mc_ppc_track_500", report=False),
         "MC-PPC with pre-filter": run(
             f"{STUDY}/mc_ppc_track_500_prefilter", report=False

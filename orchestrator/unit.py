@@ -103,6 +103,7 @@ def unit_of_fmu(
         usual = None
     if definition is None:
         doubt = f"names the unit {name} without defining it"
+        doubt = "" if usual == BaseUnit() else doubt  # "-" and the like: no unit
         return Unit(name, usual, relative=relative, doubt=doubt)
     if usual and usual.rad and definition.rad == 0 and _alike(definition, usual):
         doubt = f"defines the unit {name} without the radian"

@@ -20,7 +20,7 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 @command
 def models(json: Json = False) -> None:
-    """List the models there are, each a module that becomes an FMU."""
+    """List the models there are, and the forms that each can be built in."""
     from fmus.build import load_model
 
     found = [_model_facts(name, load_model(name)) for name in model_modules()]
@@ -32,11 +32,12 @@ def models(json: Json = False) -> None:
             m["module"],
             m["kind"],
             rate(parse_period(m["period"])) if m["period"] else "",
+            ", ".join(m["forms"]),
             m["description"],
         ]
         for m in found
     ]
-    print_table(["module", "kind", "sample time", "description"], rows)
+    print_table(["module", "kind", "sample time", "forms", "description"], rows)
 
 
 def model_modules() -> Iterator[str]:
@@ -50,15 +51,23 @@ def model_modules() -> Iterator[str]:
 
 
 def _model_facts(module: str, model: "Model") -> dict[str, Any]:
-    from fmus.model import Sampled
+    from fmus.model import Continuous, Sampled
 
     sampled = isinstance(model, Sampled)
+    exchange = isinstance(model, Continuous) and not (model.advance or model.delay)
     source = importlib.import_module(module).__doc__ or ""
     return {
         "module": module,
         "name": model.name,
         "kind": "sampled" if sampled else "continuous",
         "period": time_text(model.period) if isinstance(model, Sampled) else None,
+        "forms": [
+            "FMI 2",
+            "FMI 3",
+            *(["model exchange"] if exchange else []),
+            "Python",
+            *(["C"] if sampled else []),
+        ],
         "description": source.strip().partition("\n")[0].rstrip("."),
     }
 

@@ -82,7 +82,7 @@ def measure(
                     for (out, _), a, b in zip(
                         outputs, *(m.T for m in moved), strict=True
                     )
-                    if np.any(a) and np.any(b)
+                    if np.any(a) and np.any(b) and np.all(np.isfinite((a, b)))
                 ]
                 found += told
                 if told:

@@ -1,3 +1,6 @@
+import re
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -207,3 +210,11 @@ def test_what_may_mean_two_things_is_no_unit(text):
 def test_an_offset_does_not_apply_to_a_difference():
     degrees, kelvin = base_unit("degC"), base_unit("K")
     assert conversion(degrees, kelvin, relative=True) == (1.0, 0.0, False)
+
+
+def test_the_docs_list_every_name_there_is():
+    text = (Path(__file__).parents[2] / "docs/units.md").read_text()
+    listed = set(re.findall(r"`([^`]+)`", text.partition("## Expressions")[0]))
+    known = {*unit_names.PREFIXED, *unit_names.PLAIN, *unit_names._SPELLED}
+    known |= {*unit_names._SPELLED.values(), *unit_names._PREFIXES}
+    assert listed == known

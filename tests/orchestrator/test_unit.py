@@ -261,7 +261,7 @@ def test_result_files_keep_the_definition(pair):
 
 
 UNITS = """<UnitDefinitions><Unit name="grd"><BaseUnit K="1" offset="273.15"/></Unit>
-<Unit name="none"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
+<Unit name="furlong"><BaseUnit m="1" factor="0"/></Unit></UnitDefinitions>"""
 TYPES = {
     2: '<SimpleType name="T"><Real unit="grd" relativeQuantity="true"/></SimpleType>',
     3: '<Float64Type name="T" unit="grd" relativeQuantity="true"/>',
@@ -280,7 +280,7 @@ def test_units_are_read_from_variable_and_type(fmi, tmp_path):
         "not_so": 'declaredType="T" relativeQuantity="false"',
         "own": 'unit="grd" relativeQuantity="1"',
         "value": 'unit="grd"',
-        "void": 'unit="none"',
+        "void": 'unit="furlong"',
         "bare": "",
     }
     variables = "".join(

@@ -19,7 +19,7 @@ import controllers.ball_screw_lpv
 from controllers.synthesis.ball_screw_lpv import k_track, k_vib, switching
 from controllers.synthesis.ball_screw_lpv.plants import over_x
 from controllers.synthesis.lpv import linear, shipped
-from controllers.synthesis.lpv.design import Design, Verdict, design, verify
+from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point, Problem
 from controllers.synthesis.lpv.systems import GeneralisedPlant, System, continuous
 
@@ -82,12 +82,7 @@ def verdict(found: Design) -> Verdict:
 
 
 def _made(problem: Problem, names: list[str], files: list[str]) -> dict[str, str]:
-    found = shipped.rounded(design(problem))
-    judged = verdict(found)
-    return {
-        file: shipped.text(shipped.contents(found, region, names, judged, WEIGHTS))
-        for region, file in enumerate(files)
-    }
+    return shipped.make(problem, dense_of(problem), names, files, WEIGHTS)
 
 
 def _k_track() -> dict[str, str]:

@@ -69,7 +69,7 @@ def problem(
         price=1e-5,
         time=1e-2,
         gain=150.0,
-        floor=1e-2,
+        floors=(1e-2, 1e-2),
     )
 
 

@@ -1,12 +1,13 @@
 """From a problem to tables of sampled controllers with their certificates."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from controllers.synthesis.lpv.coordinates import Coordinates
 from controllers.synthesis.lpv.elimination import NoSolution, eliminate
+from controllers.synthesis.lpv.fourier import Fourier, angles, fitted
 from controllers.synthesis.lpv.frozen import balanced, frozen_optima
 from controllers.synthesis.lpv.inequalities import (
     Storage,
@@ -32,6 +33,8 @@ from controllers.synthesis.lpv.table import (
     tabulated,
 )
 
+AnyTable: TypeAlias = Table | Fourier
+
 
 @dataclass(frozen=True)
 class Design:
@@ -46,7 +49,7 @@ class Design:
     best: tuple[Found, ...]
     used: tuple[Found, ...]
     balance: Matrix
-    tables: tuple[Table, ...]
+    tables: tuple[AnyTable, ...]
 
     @property
     def gamma(self) -> float:
@@ -79,20 +82,20 @@ def design(problem: Problem, solver: str = "CLARABEL") -> Design:
         ImportError: the extra ``synthesis`` is not installed.
     """
     units, bound = balanced(
-        problem.plant, problem.frozen, problem.time, problem.gain, problem.floor
+        problem.plant, problem.frozen, problem.time, problem.gain, problem.floors
     )
     best, used = eliminate(problem, units, solver)
     refuse_below(bound, best[0].gamma * units.gain, solver)
     plain = [
         [
             tustin(_built(problem, units, region, found, rho), problem.T_s)
-            for rho in points_of(axes)
+            for rho in _tabulated_at(problem, axes)
         ]
         for region, found, axes in zip(problem.regions, used, problem.axes, strict=True)
     ]
     balance = balancing_states([K for systems in plain for K in systems])
     tables = tuple(
-        tabulated([transformed(K, balance) for K in systems], axes, problem.T_s)
+        _table([transformed(K, balance) for K in systems], problem, axes)
         for systems, axes in zip(plain, problem.axes, strict=True)
     )
     return Design(problem, units, best, used, balance, tables)
@@ -149,6 +152,20 @@ def verify(design: Design, dense: tuple[tuple[Point, ...], ...]) -> Verdict:
     )
 
 
+def _tabulated_at(
+    problem: Problem, axes: tuple[tuple[float, ...], ...]
+) -> list[Values]:
+    return angles(problem.order) if problem.order else points_of(axes)
+
+
+def _table(
+    systems: list[System], problem: Problem, axes: tuple[tuple[float, ...], ...]
+) -> AnyTable:
+    if problem.order:
+        return fitted(systems, problem.order, problem.T_s)
+    return tabulated(systems, axes, problem.T_s)
+
+
 def _built(
     problem: Problem, units: Coordinates, region: Region, found: Found, rho: Values
 ) -> System:
@@ -184,7 +201,7 @@ def _loop_gain(
     design: Design,
     region: Region,
     found: Found,
-    table: Table,
+    table: AnyTable,
     points: tuple[Point, ...],
 ) -> float:
     units, worst = design.units, 0.0
@@ -203,15 +220,19 @@ def _loop_gain(
 
 
 def _difference(
-    design: Design, region: Region, best: Found, used: Found, table: Table
+    design: Design, region: Region, best: Found, used: Found, table: AnyTable
 ) -> float:
+    rebuilt = [
+        transformed(
+            tustin(_built(design.problem, design.units, region, used, rho), table.T_s),
+            design.balance,
+        )
+        for rho in table.points
+    ]
     worst = 0.0
-    for rho in table.points:
-        K = _built(design.problem, design.units, region, used, rho)
-        rebuilt = transformed(tustin(K, table.T_s), design.balance)
-        for M, N in zip(table.at(rho), rebuilt, strict=True):
-            floor = 1e-6 * np.max(np.abs(N))
-            worst = max(worst, float(np.max(np.abs(M - N) / (np.abs(N) + floor))))
+    for M, N in zip(table.system, table.remade(rebuilt), strict=True):
+        floor = 1e-6 * np.max(np.abs(N), axis=(-1, -2), keepdims=True) + 1e-300
+        worst = max(worst, float(np.max(np.abs(M - N) / (np.abs(N) + floor))))
     return worst
 
 

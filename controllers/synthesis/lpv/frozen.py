@@ -42,13 +42,14 @@ def balanced(
     at: Sequence[Values],
     time: float,
     gain: float = 1.0,
-    floor: float = 0.0,
+    floors: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Coordinates, float]:
     """Return units and states for an LPV design, and a lower bound of its γ.
 
     The bound is that of ``frozen_optima``, 1 % low.  A few values of ρ, the ends
-    among them, suffice.  ``floor``, a share of the largest eigenvalue, is added to
-    the Riccati solutions where they are singular: states that y tells exactly.
+    among them, suffice.  ``floors``, shares of the largest eigenvalue, are added to
+    the control's and the estimator's Riccati solution: the latter is singular where
+    y tells some states exactly.
     """
     plants = [plant(rho) for rho in at]
     units = suitable(plants, time, gain)
@@ -58,7 +59,10 @@ def balanced(
         control, estimate = riccati(scaled, BACK_OFF * gamma)
         X, Y = X + control / len(plants), Y + estimate / len(plants)
         bound = max(bound, gain * gamma / (1 + COARSE))
-    X, Y = (R + floor * np.linalg.norm(R, 2) * np.eye(len(R)) for R in (X, Y))
+    X, Y = (
+        R + floor * np.linalg.norm(R, 2) * np.eye(len(R))
+        for R, floor in zip((X, Y), floors, strict=True)
+    )
     T = units.T @ balancing(np.linalg.inv(Y), np.linalg.inv(X))
     return replace(units, T=T), bound
 

@@ -16,8 +16,15 @@ from typing import Any
 import numpy as np
 
 from controllers.synthesis.lpv.coordinates import Coordinates
-from controllers.synthesis.lpv.design import Design, Verdict
-from controllers.synthesis.lpv.problem import Found, Problem
+from controllers.synthesis.lpv.design import (
+    AnyTable,
+    Design,
+    Verdict,
+    design,
+    verify,
+)
+from controllers.synthesis.lpv.fourier import Fourier
+from controllers.synthesis.lpv.problem import Found, Point, Problem
 from controllers.synthesis.lpv.systems import System
 from controllers.synthesis.lpv.table import Table
 
@@ -26,7 +33,7 @@ SOLVERS = ("clarabel", "cvxpy", "numpy", "scipy")
 
 
 def contents(
-    design: Design,
+    found: Design,
     region: int,
     names: Sequence[str],
     verdict: Verdict,
@@ -39,25 +46,25 @@ def contents(
         verdict: of the design.
         weights: what the problem was made of, for the reader.
     """
-    problem, table = design.problem, design.tables[region]
-    best, used = design.best[region], design.used[region]
-    axes = dict(zip(names, table.axes, strict=True))
+    problem, table = found.problem, found.tables[region]
+    best, used = found.best[region], found.used[region]
+    axes = dict(zip(names, table.axes, strict=False))
     grid = [point.rho for point in problem.regions[region].points]
     about = {
         "gamma": verdict.gamma,
-        "gamma_used": used.gamma * design.units.gain,
+        "gamma_used": used.gamma * found.units.gain,
         "dense": verdict.dense[region],
         "table": verdict.table[region],
         "weights": dict(weights),
         "decay": problem.decay,
         "grid": grid,
         "versions": versions(),
-        "time": design.units.time,
-        "gain": design.units.gain,
-        "u": design.units.u,
-        "y": design.units.y,
-        "T": design.units.T,
-        "balance": design.balance,
+        "time": found.units.time,
+        "gain": found.units.gain,
+        "u": found.units.u,
+        "y": found.units.y,
+        "T": found.units.T,
+        "balance": found.balance,
         "best_gamma": best.gamma,
         "best_X": best.X,
         "best_Y": best.Y,
@@ -66,6 +73,30 @@ def contents(
         "Y": used.Y,
     }
     return sampled(table.system, table.T_s) | axes | {"design": about}
+
+
+def make(
+    problem: Problem,
+    dense: tuple[tuple[Point, ...], ...],
+    names: Sequence[str],
+    files: Sequence[str],
+    weights: Mapping[str, Any],
+) -> dict[str, str]:
+    """Solve a problem and return its files, one per region, as text.
+
+    Args:
+        problem: what is designed.
+        dense: grids per region on which the design is judged.
+        names: of the scheduling parameters.
+        files: names of the regions' files.
+        weights: what the problem was made of, for the reader.
+    """
+    found = rounded(design(problem))
+    judged = verify(found, dense)
+    return {
+        file: text(contents(found, region, names, judged, weights))
+        for region, file in enumerate(files)
+    }
 
 
 def sampled(system: System, T_s: float) -> dict[str, Any]:
@@ -92,14 +123,7 @@ def read(
         for d in about
     ]
     used = [Found(d["used_gamma"], np.array(d["X"]), np.array(d["Y"])) for d in about]
-    tables = [
-        Table(
-            tuple(np.array(file[name]) for name in names),
-            float(Fraction(file["period"])),
-            System(*(np.array(file[name]) for name in "ABCD")),
-        )
-        for file in files
-    ]
+    tables = [_table(problem, file, names) for file in files]
     return Design(
         problem,
         units,
@@ -110,27 +134,35 @@ def read(
     )
 
 
-def rounded(design: Design) -> Design:
+def _table(problem: Problem, file: Mapping[str, Any], names: Sequence[str]) -> AnyTable:
+    T_s = float(Fraction(file["period"]))
+    system = System(*(np.array(file[name]) for name in "ABCD"))
+    if problem.order:
+        return Fourier(T_s, system)
+    return Table(tuple(np.array(file[name]) for name in names), T_s, system)
+
+
+def rounded(given: Design) -> Design:
     """Return the design with the numbers that its files will hold."""
 
     def short(value: Any) -> Any:
         return np.array(json.loads(json.dumps(_plain(value))))
 
-    units = replace(design.units, **{n: short(getattr(design.units, n)) for n in "Tuy"})
+    units = replace(given.units, **{n: short(getattr(given.units, n)) for n in "Tuy"})
     tables = tuple(
         replace(table, system=System(*map(short, table.system)))
-        for table in design.tables
+        for table in given.tables
     )
 
-    def found(f: Found) -> Found:
+    def short_of(f: Found) -> Found:
         return Found(float(short(f.gamma)), short(f.X), short(f.Y))
 
     return replace(
-        design,
+        given,
         units=units,
-        best=tuple(map(found, design.best)),
-        used=tuple(map(found, design.used)),
-        balance=short(design.balance),
+        best=tuple(map(short_of, given.best)),
+        used=tuple(map(short_of, given.used)),
+        balance=short(given.balance),
         tables=tables,
     )
 

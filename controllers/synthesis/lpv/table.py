@@ -36,6 +36,10 @@ class Table:
         """Return the sampled system at ρ."""
         return System(*(self._interpolated(M, rho) for M in self.system))
 
+    def remade(self, systems: Sequence[System]) -> System:
+        """Return the matrices that systems at ``points`` give."""
+        return tabulated(systems, self.axes, self.T_s).system
+
     def _interpolated(self, M: Matrix, rho: Values) -> Matrix:
         for axis, value in zip(self.axes, rho, strict=True):
             i = int(np.clip(np.searchsorted(axis, value) - 1, 0, len(axis) - 2))
@@ -50,7 +54,7 @@ def points_of(axes: Sequence[Sequence[float] | Matrix]) -> list[Values]:
 
 
 def tabulated(
-    systems: Sequence[System], axes: Sequence[Sequence[float]], T_s: float
+    systems: Sequence[System], axes: Sequence[Sequence[float] | Matrix], T_s: float
 ) -> Table:
     """Return a table of sampled systems given in the order of ``points_of``."""
     breakpoints = tuple(np.array(axis, dtype=float) for axis in axes)

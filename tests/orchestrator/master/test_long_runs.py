@@ -32,7 +32,7 @@ def drive(stop: str) -> System:
         if v.causality == "output" or name.startswith("state.")
     ]
     assert len(names) >= SIGNALS
-    record = dict.fromkeys(names[:SIGNALS], Fraction(1, 20_000))
+    record = dict.fromkeys(names[:SIGNALS], (Fraction(1, 20_000),))
     return replace(composition.system, stop=Fraction(stop), record=record)
 
 

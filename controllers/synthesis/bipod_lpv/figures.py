@@ -1,0 +1,23 @@
+"""Figures of the bipod's designs, from the shipped tables; none is written down."""
+
+import numpy as np
+
+from controllers.synthesis.bipod_lpv import designs, single
+from controllers.synthesis.lpv.frozen import frozen_optima
+
+
+def frozen(phi_deg: float, v_1: float) -> float:
+    """Return the H-infinity optimum of the plant that stands at φ (deg) and v (m/s)."""
+    problem = single.problem()
+    at = ((float(np.deg2rad(phi_deg)), v_1),)
+    return float(frozen_optima(problem.plant, at, problem.time, problem.gain)[0])
+
+
+def certified(name: str = "k_single") -> dict[str, float]:
+    """Return γ on the grid, dense γ and the table's certificate of a design."""
+    verdict = designs.verdict(designs.read(name))
+    return {
+        "gamma": verdict.gamma,
+        "dense": verdict.dense[0],
+        "table": verdict.table[0],
+    }

@@ -1,0 +1,1 @@
+"""Designs for contouring on the three-axis machine."""

@@ -1,0 +1,1 @@
+"""Designs for the serial machine, two ball-screw axes."""

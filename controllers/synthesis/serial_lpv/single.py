@@ -1,0 +1,99 @@
+"""One LPV controller K(x_c) for an axis of the serial machine, e = r - u_c → v_m.
+
+    w = (f, r),   z = (W_e e, W_v v_m),   y = e,   f_c = W_f f
+
+on the plant of Table 3.3.  The published γ of 13 lies below the H-infinity optimum of
+the frozen plant, with the disturbance (23.8) and without it (15.5): no controller can
+reach it with the printed data.
+
+Source: Hanifzadegan 2014, sec. 7.1, eq. 7.1 to 7.3; motor force per volt with the
+printed r_g = 0.0032 m/rad.
+"""
+
+import numpy as np
+
+from controllers.synthesis.ball_screw_lpv.plants import over_x
+from controllers.synthesis.lpv.problem import (
+    PlantAt,
+    Problem,
+    Region,
+    Values,
+    grid,
+    polynomial,
+)
+from controllers.synthesis.lpv.systems import GeneralisedPlant
+from controllers.synthesis.lpv.weights import rational
+
+VOLT = 0.72 * 0.887 / 0.0032  # N/V
+W_V = 7e-4
+W_F = ((1.66e8, 0.47e8), (1.0, 1.59e4))
+W_E = ((1.0, 1153.0, 3.32e5), (1.58, 1.948, 0.59))
+UNDISTURBED = 1e-2  # scale of f where it is left out: the problem stays regular
+POINTS = (0.2, 0.3, 0.4, 0.5, 0.6)  # m
+SPEED = 0.45  # m/s
+T_S = 9 / 25_000  # s
+TIME = 1e-2  # s, unit for conditioning
+
+
+def problem(
+    disturbance: float = UNDISTURBED,
+    W_v: float = W_V,
+    points: tuple[float, ...] = POINTS,
+    decay: float = 0.05,
+) -> Problem:
+    """Return the design problem over x_c.
+
+    Args:
+        disturbance: scale of f, 1 as printed.
+        W_v: weight on the command (1/V).
+        points: nut positions (m) of design and table.
+        decay: margin (1/s), below the slowest poles of W_e, 0.62 rad/s.
+    """
+    return Problem(
+        plant=plant(disturbance, W_v),
+        regions=(Region(grid(points, rates=[SPEED]), polynomial(0.4, 0.2, 1)),),
+        frozen=((points[0],), (points[len(points) // 2],), (points[-1],)),
+        axes=((points,),),
+        T_s=T_S,
+        decay=decay,
+        price=1e-5,
+        time=TIME,
+        floors=(1e-2, 1e-2),
+    )
+
+
+def plant(disturbance: float = 1.0, W_v: float = W_V) -> PlantAt:
+    """Return the generalised plant over (x_c,); arguments as of ``problem``."""
+    W, F = rational(*W_E), rational(*W_F)
+    k = len(W.A)
+
+    def at(rho: Values) -> GeneralisedPlant:
+        G, zero = over_x(rho[0]), np.zeros
+        n, force = len(G.A), disturbance * G.B[:, [1]]
+        C_c = G.C[[1]]
+        return GeneralisedPlant(
+            A=np.block(
+                [
+                    [G.A, force @ F.C, zero((n, k))],
+                    [zero((1, n)), F.A, zero((1, k))],
+                    [-W.B @ C_c, zero((k, 1)), W.A],
+                ]
+            ),
+            B_1=np.block(
+                [
+                    [force @ F.D, zero((n, 1))],
+                    [F.B, zero((1, 1))],
+                    [zero((k, 1)), W.B],
+                ]
+            ),
+            B_2=np.vstack([VOLT * G.B[:, [0]], zero((k + 1, 1))]),
+            C_1=np.vstack(
+                [np.hstack([-W.D @ C_c, [[0.0]], W.C]), zero((1, n + k + 1))]
+            ),
+            C_2=np.hstack([-C_c, zero((1, k + 1))]),
+            D_11=np.array([[0.0, W.D[0, 0]], [0.0, 0.0]]),
+            D_12=np.array([[0.0], [W_v]]),
+            D_21=np.array([[0.0, 1.0]]),
+        )
+
+    return at

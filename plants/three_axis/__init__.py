@@ -1,0 +1,1 @@
+"""Three-axis machining centre with flexible axes."""

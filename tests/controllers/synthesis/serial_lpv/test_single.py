@@ -1,0 +1,34 @@
+"""LPV designs for an axis of the serial machine (Hanifzadegan 2014, sec. 7.1)."""
+
+import pytest
+
+from controllers.synthesis.serial_lpv import designs, figures, single
+
+
+@pytest.mark.parametrize(
+    ("x_c", "disturbed", "undisturbed"),
+    [(0.2, 23.80, 15.54), (0.4, 23.84, 15.56), (0.6, 23.86, 15.57)],
+)
+def test_the_published_gamma_lies_below_the_frozen_optimum(
+    x_c: float, disturbed: float, undisturbed: float
+) -> None:
+    """13 is below both: no controller reaches it with the printed data."""
+    assert figures.frozen(x_c) == pytest.approx(disturbed, rel=5e-3)
+    off = figures.frozen(x_c, single.UNDISTURBED)
+    assert off == pytest.approx(undisturbed, rel=5e-3)
+    assert off > 13
+
+
+@pytest.mark.parametrize(
+    ("name", "bound", "dense"),
+    [("k_undisturbed", 15.5, 17.5), ("k_disturbed", 23.8, 27)],
+)
+def test_shipped_designs_certify_with_their_tables(
+    name: str, bound: float, dense: float
+) -> None:
+    """With the disturbance on as well, which was thought to have no solution."""
+    found = figures.certified(name)
+    assert bound < found["gamma"] < 1.03 * bound
+    assert found["dense"] <= dense
+    assert found["table"] <= dense
+    assert designs.verdict(designs.read(name)).difference < 1e-3
