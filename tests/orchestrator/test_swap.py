@@ -73,7 +73,7 @@ def test_the_report_of_a_swap_shows_the_map_and_which_run_is_which(
     chosen = ("--swap", f"plant={supplied}", "--map", INLINE, "-o", str(folder))
     figures(*chosen, "--set", "stop=0.1")
     page = (folder / "report.html").read_text()
-    assert [f"{name} ({SCENARIO})" for name in ("original", "swapped")] == re.findall(
+    assert [f"{name}: {SCENARIO}" for name in ("original", "swapped")] == re.findall(
         r"<h2>How it was computed: (.*?)</h2>", page
     )
     before, _, after = page.partition("<h2>How it was computed: swapped")
