@@ -12,6 +12,7 @@ from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.logs import LogMessage
+from orchestrator.result import Result
 
 LARGEST = 64 << 20  # bytes of a frame
 _ERRORS = {kind.__name__: kind for kind in (FeedDriveError, FmuError, SimulationError)}
@@ -22,7 +23,11 @@ class Damaged(Exception):
 
 
 def encode(kind: str, value: Any) -> bytes:
-    """Return the frame of a kind: begun, done, log or error."""
+    """Return the frame of a kind.
+
+    From the process of an FMU: begun, done, log or error; from that of a run: warned,
+    reached, error or finished.
+    """
     if isinstance(value, Ended):
         told: Any = {"by": value.by, "at": value.at, "reason": value.reason}
     elif isinstance(value, FeedDriveError):
@@ -32,6 +37,13 @@ def encode(kind: str, value: Any) -> bytes:
     elif isinstance(value, LogMessage):
         told = {"status": value.status, "category": value.category}
         told |= {"text": value.text, "time": value.time}
+    elif isinstance(value, Result):
+        timing = value.timing
+        assert timing is not None
+        told = [
+            [timing.wall_s, timing.instants, timing.simulated_s, timing.executor],
+            value.ended and [value.ended.by, value.ended.at, value.ended.reason],
+        ]
     elif isinstance(value, list):
         told = [{"hex": v.hex()} if isinstance(v, bytes) else v for v in value]
     else:
@@ -83,6 +95,15 @@ def _log(told: Any) -> LogMessage:
     return LogMessage(status, category, text, _number(told["time"]))
 
 
+def _finished(told: Any) -> tuple[list[Any], list[Any] | None]:
+    (wall, instants, simulated, executor), end = told
+    timing = [_number(wall), _number(instants), _number(simulated), _text(executor)]
+    if end is not None:
+        by, at, reason = end
+        end = [_text(by), _number(at), _text(reason)]
+    return timing, end
+
+
 def _nothing(told: Any) -> None:
     if told is not None:
         raise TypeError("something")
@@ -100,4 +121,12 @@ def _text(told: Any) -> str:
     return told
 
 
-_VALUES = {"begun": _nothing, "done": _done, "error": _error, "log": _log}
+_VALUES = {
+    "begun": _nothing,
+    "done": _done,
+    "error": _error,
+    "finished": _finished,
+    "log": _log,
+    "reached": _text,
+    "warned": _text,
+}

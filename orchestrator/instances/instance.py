@@ -4,6 +4,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.structure import is_structural
 from orchestrator.fmu.typed import Held
+from orchestrator.instances.doing import mark
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import (
     DISCARD,
@@ -33,6 +35,8 @@ from orchestrator.instances.logs import (
 )
 from orchestrator.instances.texts import Texts
 from orchestrator.native import library as c
+
+_LOADING = Lock()  # the working folder is that of all threads
 
 
 class LocalInstance:
@@ -61,7 +65,7 @@ class LocalInstance:
         self.outcome = c.Outcome()
         _require_binary(description, folder)
         try:
-            with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
+            with _LOADING, chdir(Path.cwd()):  # fmpy goes to the folder of the FMU
                 self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:
@@ -235,14 +239,17 @@ class LocalInstance:
             ]
 
     def push(self) -> None:
+        mark(self.name, "set")
         for group in self.inputs:
             group.push()
 
     def pull(self) -> None:
+        mark(self.name, "get")
         for group in self.outputs:
             group.pull()
 
     def step(self, t: float, h: float) -> None:
+        mark(self.name, "doStep")
         self.clock.value = t
         if not self._fmi2:
             self._reached.value = t + h
@@ -286,6 +293,7 @@ class LocalInstance:
 
     def close(self) -> None:
         """Terminate and free the instance, whatever state it is in."""
+        mark(self.name, "terminate and free")
         if self.slave is None:
             return
         with suppress(Exception):
@@ -307,7 +315,8 @@ class _Named:
     def __init__(self, instance: LocalInstance, function: str) -> None:
         self.instance, self.function = instance, function
 
-    def __enter__(self) -> None: ...
+    def __enter__(self) -> None:
+        mark(self.instance.name, self.function)
 
     def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
         if error is None or isinstance(error, FeedDriveError):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.instances.clocked import ClockedInstance
+from orchestrator.instances.doing import place
 from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
@@ -84,6 +85,7 @@ class Kernel:
             tick_num=tick.numerator,
             tick_den=tick.denominator,
             profiled=profiled,
+            noted=place(),
         )
 
     def run(self) -> Iterator[int]:

@@ -7,6 +7,7 @@ has ended is opened anew.  Rows stay in memory.
 
 from collections.abc import Mapping
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
+from orchestrator.master.apart import let_in
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.kernel import Kernel
@@ -87,9 +89,14 @@ class Series:
 
     def _open(self, timetable: Timetable) -> None:
         shared: dict[Path, Path] = {}
+        strangers = let_in(timetable)  # a series has no child of its own for them
         self._instances = {
             name: open_instance(
-                name, part.fmu, self._stack, part.component.isolation, shared
+                *(name, part.fmu, self._stack),
+                replace(part.component.isolation, process=True)
+                if name in strangers
+                else part.component.isolation,
+                shared,
             )
             for name, part in timetable.wiring.parts.items()
         }

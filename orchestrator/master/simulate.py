@@ -32,6 +32,7 @@ from orchestrator.instances.ending import Ended
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.protocol import Instance
+from orchestrator.master.apart import let_in, simulate_apart
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
@@ -83,6 +84,13 @@ def simulate(
         SimulationError: the run failed; rows until then are readable.
     """
     timetable = timetable or plan(system)
+    if names := let_in(timetable):
+        if profile:
+            raise SimulationError(
+                f"{names[0]}: a run that lets this FMU into its process has no "
+                f'profile; leave out isolation = "none"'
+            )
+        return simulate_apart(simulate, system, folder, timetable, progress, executor)
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)

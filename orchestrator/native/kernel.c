@@ -126,6 +126,10 @@ static ALWAYS_INLINE double start_of(const Kernel *kernel, const Now *now,
 static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now) {
     Part *p = kernel->parts + op->target;
     int64_t k = now->k;
+    if (kernel->noted) {
+        kernel->noted[0] = op->target;
+        kernel->noted[1] = op->code;
+    }
     switch (op->code) {
     case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));
     case READ: return get_outputs(kernel, p, op, k);

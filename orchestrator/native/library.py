@@ -186,6 +186,7 @@ class Kernel(ctypes.Structure):
         ("h", c_double),
         ("readings", c_int64),
         ("spent", c_double),
+        ("noted", c_void_p),
     ]
 
 

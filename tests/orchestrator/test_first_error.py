@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from broken import MISBEHAVES, MODES, pack
 from every_metric import METRICS
-from systems import part, system
+from systems import part, system, trusted
 
 from orchestrator.errors import SimulationError
 from orchestrator.history.listing import entries
@@ -67,7 +67,7 @@ def test_no_metric_masks_what_an_fmu_reports(
     monkeypatch.chdir(tmp_path)
     for at, then in (("0", "0.001"), ("0.05", "0.051")):
         error = failure(
-            misbehaves, mode, float(at), {"m": METRICS[kind]}, isolation="none"
+            trusted(misbehaves), mode, float(at), {"m": METRICS[kind]}, isolation="none"
         )
         told = said.replace("{next}", then).format(at)
         assert f"bad (misbehaves.fmu): {told}" in str(error)

@@ -4,11 +4,27 @@ from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 from fmus.build import build
+from fmus.trust import trust
 from orchestrator.system import Component, System
 
 MODELS = Path(__file__).parents[1] / "orchestrator" / "models"
+
+
+def trusted(fmu: Path) -> Path:
+    """Return a copy of an FMU that counts as built here, and may run in this process.
+
+    It has other bytes than the FMU, which does not.
+    """
+    copy = fmu.parent / "trusted" / fmu.name
+    copy.parent.mkdir(exist_ok=True)
+    copy.write_bytes(fmu.read_bytes())
+    with ZipFile(copy, "a") as archive:
+        archive.comment = b"trusted"
+    trust(copy)
+    return copy
 
 
 def part(name: str, model: str, period: str, **options: Any) -> Component:

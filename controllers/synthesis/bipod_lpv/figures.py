@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from controllers.synthesis.bipod_lpv import designs, single
+from controllers.synthesis.bipod_lpv import designs, single, smooth
 from controllers.synthesis.lpv.frozen import frozen_optima
+from controllers.synthesis.lpv.smooth import rate_bound
 
 
 def frozen(phi_deg: float, v_1: float) -> float:
@@ -20,4 +21,21 @@ def certified(name: str = "k_single") -> dict[str, float]:
         "gamma": verdict.gamma,
         "dense": verdict.dense[0],
         "table": verdict.table[0],
+    }
+
+
+def smooth_switching() -> dict[str, float]:
+    """Return the dense γ of the smooth design and of its table, η before and after.
+
+    η is in the single design's units and the states of ``smooth.UNIT``.
+    """
+    blend, table = designs.certified_smooth()
+    found, _ = designs.read_smooth()
+    dense = smooth.dense()
+    begun = smooth.start(found.start)
+    return {
+        "dense": blend,
+        "table": table,
+        "eta_begun": rate_bound(begun, dense),
+        "eta": rate_bound(found, dense),
     }

@@ -39,14 +39,16 @@ def eliminate(
     cp = solver_package()
     gamma = cp.Variable()
     unknowns = _Unknowns(cp, problem, units)
-    _solve(cp, cp.Minimize(gamma), unknowns.inequalities(gamma, 1.0), solver, options)
+    minimise(
+        cp, cp.Minimize(gamma), unknowns.inequalities(gamma, 1.0), solver, **options
+    )
     smallest = float(gamma.value)
     best = unknowns.found(smallest)
 
     t, used = cp.Variable(), problem.back_off * smallest
     constraints = [*unknowns.inequalities(used, t), t >= 1]
     goal = cp.Maximize(t - problem.price * unknowns.traces())
-    _solve(cp, goal, constraints, solver, options)
+    minimise(cp, goal, constraints, solver, **options)
     return best, unknowns.found(used)
 
 
@@ -142,9 +144,14 @@ class _Unknowns:
         return N.T @ M @ N
 
 
-def _solve(
-    cp: Any, goal: Any, constraints: list[Any], solver: str, options: dict[str, Any]
+def minimise(
+    cp: Any, goal: Any, constraints: list[Any], solver: str = "CLARABEL", **options: Any
 ) -> None:
+    """Solve a problem; its variables hold the result.
+
+    Raises:
+        NoSolution: the solver says so.
+    """
     problem = cp.Problem(goal, constraints)
     with warnings.catch_warnings():
         # what counts is whether the dense check holds, not the solver's opinion

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from outcomes import outcomes
+from systems import trusted
 
 from orchestrator.errors import SimulationError
 from orchestrator.master.simulate import Choice, simulate
@@ -29,7 +30,7 @@ ENDS = {
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("outcomes")
-    return {fmi: outcomes(fmi, folder) for fmi in (2, 3)}
+    return {fmi: trusted(outcomes(fmi, folder)) for fmi in (2, 3)}
 
 
 def simulated(

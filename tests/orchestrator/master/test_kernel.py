@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from foreign import TYPES, foreign
-from systems import part, system
+from systems import part, system, trusted
 
 import orchestrator.native.library
 from fmus.compile import PLATFORMS, CompileError, compile_alone
@@ -25,7 +25,7 @@ EXECUTORS: tuple[Choice, Choice] = ("python", "kernel")
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("foreign")
-    return {fmi: foreign(fmi, folder) for fmi in (2, 3)}
+    return {fmi: trusted(foreign(fmi, folder)) for fmi in (2, 3)}
 
 
 def chain(fmu: Path, fmi: int, stop: str = "1/100", **parameters: float) -> System:

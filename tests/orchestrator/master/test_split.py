@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from broken import MISBEHAVES, pack
 from foreign import foreign
-from systems import part, system
+from systems import part, system, trusted
 
 from orchestrator.errors import WiringError
 from orchestrator.master.ages import describe_schedule
@@ -69,7 +69,7 @@ def test_the_schedule_counts_the_steps_that_an_fmu_counts(
 ) -> None:
     here = Isolation(process=False)
     slow, fast = Fraction(SLOW), part("fast", "counter", FAST)
-    fmu = foreign(2, tmp_path)
+    fmu = trusted(foreign(2, tmp_path))
     theirs = Component("theirs", fmu, slow, isolation=here, split=split)
     given = system(
         STOP, [theirs, fast], {"theirs.in_Real": "fast.k"}, {"theirs.steps": SLOW}

