@@ -6,6 +6,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from orchestrator import Result, run
+from orchestrator.analysis.sweep import sweep
+from orchestrator.analysis.variations import Axis
 
 HERE = Path(__file__).parent
 UM_PER_RAD = 1e6 * 0.020 / (2 * np.pi)
@@ -47,5 +49,31 @@ def tracking_error(done: Result) -> np.ndarray:
     return UM_PER_RAD * error
 
 
+def held() -> None:
+    """Peak error over mass and stiffness, and where it misses the expectation."""
+    drive = HERE / "examples" / "does_it_hold" / "drive.toml"
+    axes = [
+        Axis("plant.m_2", tuple(np.linspace(0.8, 1.2, 9) * 0.379e-3)),
+        Axis("plant.k", tuple(np.linspace(190, 230, 9))),
+    ]
+    rows = sweep(drive, axes).rows
+    m_2, k, peak = (
+        np.array([row[name] for row in rows])
+        for name in ("plant.m_2", "plant.k", "tracking.peak")
+    )
+    figure, plot = plt.subplots(figsize=(7, 4.2), layout="constrained")
+    shape = len(axes[0].values), len(axes[1].values)
+    x, y, z = (v.reshape(shape) for v in (1e3 * m_2, k, peak))
+    colours = plot.pcolormesh(x, y, z, cmap="viridis", shading="nearest")
+    figure.colorbar(colours, label="peak tracking error (um)")
+    plot.contour(x, y, z, levels=[4.0], colors="#d1495b", linewidths=2)
+    missed = np.array([not row["met"] for row in rows])
+    plot.plot(1e3 * m_2[missed], k[missed], "x", color="#d1495b", label="not met")
+    plot.set(xlabel="plant.m_2 (1e-3 V.s2/rad)", ylabel="plant.k (V/rad)")
+    plot.legend(loc="upper left")
+    figure.savefig(HERE / "pictures" / "sweep.png", dpi=110)
+
+
 if __name__ == "__main__":
     demo()
+    held()

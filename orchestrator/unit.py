@@ -17,6 +17,7 @@ from fmus import units
 from fmus.units import BaseUnit, TurnError, UnitError, base_unit
 
 SAME_FACTOR = 1e-9
+_UNDEFINED = "names the unit"
 
 
 class Unit(str):
@@ -42,6 +43,11 @@ class Unit(str):
         unit.base, unit.relative, unit.doubt = base, relative, doubt
         return unit
 
+    @property
+    def is_defined(self) -> bool:
+        """Whether somebody has said what it is; our table only supposes."""
+        return self.base is not None and not self.doubt.startswith(_UNDEFINED)
+
     def of_difference(self, relative: bool = True) -> "Unit":
         """Return the same unit for a difference of two values."""
         return Unit(self, self.base, relative=relative, doubt=self.doubt)
@@ -63,7 +69,7 @@ class Unit(str):
             return unit_of(name)
         kept = json.loads(metadata[b"definition"])
         relative = kept.pop("relative", False)
-        doubt = "" if kept else f"names the unit {name} without defining it"
+        doubt = "" if kept else f"{_UNDEFINED} {name} without defining it"
         base = BaseUnit(**kept) if kept else None
         return cls(name, base, relative=relative, doubt=doubt)
 
@@ -102,7 +108,7 @@ def unit_of_fmu(
     except UnitError:
         usual = None
     if definition is None:
-        doubt = f"names the unit {name} without defining it"
+        doubt = f"{_UNDEFINED} {name} without defining it"
         doubt = "" if usual == BaseUnit() else doubt  # "-" and the like: no unit
         return Unit(name, usual, relative=relative, doubt=doubt)
     if usual and usual.rad and definition.rad == 0 and _alike(definition, usual):
@@ -129,8 +135,11 @@ def conversion(source: str, sink: str) -> Conversion:
         UnitError: they measure different quantities.
     """
     given, wanted = unit_of(source), unit_of(sink)
-    if str(given) == str(wanted) and given.base == wanted.base:
-        return Conversion()
+    if str(given) == str(wanted):
+        if given.base == wanted.base:
+            return Conversion()
+        if bare := next((u for u in (given, wanted) if not u.is_defined), None):
+            return Conversion(doubts=(f"the FMU {bare.doubt}; taken as the other's",))
     if given.base is None or wanted.base is None:
         unit = given if given.base is None else wanted
         raise UndefinedUnit(f"{given} cannot become {wanted}: the FMU {unit.doubt}")

@@ -45,6 +45,33 @@ def test_a_command_of_the_readme_runs(line: str, tmp_path: Path) -> None:
     typed(line, tmp_path)
 
 
+HOLD = (ROOT / "docs" / "does-it-hold.md").read_text()
+
+
+def hold(folder: Path) -> None:
+    """Put the example of docs/does-it-hold.md into a folder."""
+    example = ROOT / "docs" / "examples" / "does_it_hold" / "drive.toml"
+    text = example.read_text().replace("../../../", f"{ROOT.as_posix()}/")
+    (folder / "drive.toml").write_text(text)
+
+
+@pytest.mark.parametrize(
+    "line", [c for b in blocks(HOLD, "bash") for c in b.splitlines() if c]
+)
+def test_a_command_of_does_it_hold_runs(line: str, tmp_path: Path) -> None:
+    hold(tmp_path)
+    typed(line, tmp_path)
+
+
+def test_the_python_of_does_it_hold_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    hold(tmp_path)
+    (session,) = blocks(HOLD, "python")
+    exec(session, {})
+
+
 def test_the_swap_of_the_readme_runs_as_printed(tmp_path: Path) -> None:
     """A foreign FMU in the plant's place by the map that is proposed and measured."""
     build_it, propose, swap = SWAP

@@ -4,6 +4,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from contextlib import chdir, suppress
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,8 @@ from orchestrator.instances.logs import (
 from orchestrator.instances.texts import Texts
 from orchestrator.native import library as c
 
+_LOADING = Lock()  # the working folder is that of all threads
+
 
 class LocalInstance:
     """An FMU loaded into this process with ctypes, through fmpy.
@@ -62,7 +65,7 @@ class LocalInstance:
         self.outcome = c.Outcome()
         _require_binary(description, folder)
         try:
-            with chdir(Path.cwd()):  # fmpy stays in the folder it fails in
+            with _LOADING, chdir(Path.cwd()):  # fmpy goes to the folder of the FMU
                 self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
         except FeedDriveError:

@@ -258,6 +258,9 @@ class FaultSpec(Strict):
         return self
 
 
+Pair: TypeAlias = Annotated[tuple[float | str, float | str], Field(strict=False)]
+
+
 class ToleranceSpec(Strict):
     """How a value is spread: ``uniform`` from a to b, ``normal`` with mean and standard
     deviation, or ``around`` its nominal value by a share (``"+-20 %"``).
@@ -265,8 +268,8 @@ class ToleranceSpec(Strict):
     Numbers may carry units, as ``"7 kg"``.
     """
 
-    uniform: tuple[float | str, float | str] | None = None
-    normal: tuple[float | str, float | str] | None = None
+    uniform: Pair | None = None
+    normal: Pair | None = None
     around: float | None = None
 
     @model_validator(mode="before")

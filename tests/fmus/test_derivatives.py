@@ -14,6 +14,25 @@ CLOSE = 1e-5  # of the largest change
 EPSILON = (1e-6, 4e-7)  # where these two disagree there is a kink or a step
 
 
+# plants with friction, delay and tables, controllers of every kind; one that rounds
+REPRESENTATIVES = (
+    "controllers.ball_screw.mc_ppc",
+    "controllers.gantry.mimo",
+    "plants.ball_screw.drive",
+    "plants.ball_screw.encoder",
+    "plants.ball_screw_lpv.lpv",
+    "plants.leadscrew.axis",
+    "plants.xy_table.axis",
+)
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "differentiated" in metafunc.fixturenames:
+        everything = metafunc.config.getoption("--every-form")
+        chosen = MODULES if everything else REPRESENTATIVES
+        metafunc.parametrize("differentiated", chosen)
+
+
 def changes(s, x, u, p, dx, du, epsilon):
     """Central difference of (derivatives, outputs) along (dx, du)."""
     sides = []
@@ -47,9 +66,10 @@ def direction(s, fmi, instance, dx, du):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-@pytest.mark.parametrize("module", MODULES)
-def test_directional_derivatives_are_those_of_the_equations(module, fmi, tmp_path):
-    s = subject(module)
+def test_directional_derivatives_are_those_of_the_equations(
+    differentiated, fmi, tmp_path
+):
+    module, s = differentiated, subject(differentiated)
     if tangent(s.traced) is None:
         rounding = Instance(build(module, fmi=fmi), fmi, tmp_path, s.layout)
         with pytest.raises(Exception, match="status 3"):

@@ -203,6 +203,15 @@ def test_what_an_exporter_left_out_is_filled_in_and_told():
     assert per_minute.base.rad == 0  # turns per minute by its own definition
 
 
+def test_one_name_is_one_unit_if_only_one_side_defines_it():
+    turns = unit_of_fmu("rpm", BaseUnit(s=-1, factor=1 / 60))
+    gain, offset, (doubt,) = conversion(turns, unit_of_fmu("rpm", None))
+    assert (gain, offset) == (1.0, 0.0)
+    assert "without defining it; taken as the other's" in doubt
+    with pytest.raises(TurnError):
+        conversion(turns, unit_of_fmu("rpm", BaseUnit(rad=1, s=-1, factor=0.1047)))
+
+
 def test_a_unit_that_nobody_defines_passes_as_it_is_and_is_told(fmu_of):
     bits = unit_of_fmu("bits", None)
     (out,) = ports(*fmu_of(bits), "x")
