@@ -99,7 +99,7 @@ def _interfaces(root: etree._Element, subject: Subject, fmi: Fmi) -> None:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if subject.native and tangent(subject.traced) is not None:
+    if subject.native and tangent(subject.model, subject.traced) is not None:
         known = "providesDirectionalDerivative" + ("" if fmi == 2 else "s")
         common[known] = "true"
     if fmi == 2:

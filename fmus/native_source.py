@@ -80,7 +80,7 @@ def native_sources(
     from fmus.tangent import tangent
     from fmus.trace import c_code
 
-    direction = tangent(traced)
+    direction = tangent(model, traced)
     functions = [*traced.functions.values(), *([direction] if direction else [])]
     names = {function.name() for function in functions}
     work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}

@@ -5,18 +5,29 @@
 The change of the state derivatives (none for a sampled model) and outputs for a
 change of states and inputs, at given parameters.  A comparison or sign does not
 change.  A model that rounds (an encoder's counts) has no tangent: its derivative
-is zero almost everywhere, and whoever asked would be misled.
+is zero almost everywhere, and whoever asked would be misled.  Nor has one that
+starts on a kink, where the slopes of its outputs are not what differences show.
 """
 
 import casadi as ca
+import numpy as np
 
+from fmus.model import Model, Sampled, pack
 from fmus.trace import Traced
 
+DELTA = 1e-6  # of an input
 ROUNDING = {ca.OP_FLOOR, ca.OP_CEIL}
 
 
-def tangent(traced: Traced) -> ca.Function | None:
+def tangent(model: Model, traced: Traced) -> ca.Function | None:
     """Return the directional derivatives of derivative, output and step, if any."""
+    found = _tangent(traced)
+    if found is None or not _shows_differences(model, traced, found):
+        return None
+    return found
+
+
+def _tangent(traced: Traced) -> ca.Function | None:
     functions = traced.functions
     names = ["derivative", "output"] if "derivative" in functions else ["step"]
     if any(_rounds(functions[name]) for name in names):
@@ -49,3 +60,23 @@ def tangent(traced: Traced) -> ca.Function | None:
 def _rounds(function: ca.Function) -> bool:
     operations = map(function.instruction_id, range(function.n_instructions()))
     return not ROUNDING.isdisjoint(operations)
+
+
+def _shows_differences(model: Model, traced: Traced, found: ca.Function) -> bool:
+    """Compare slopes by the inputs with central differences at the start values."""
+    functions = traced.functions
+    x, u, p = map(pack, (model.state, model.input, model.parameters))
+    T_s = [float(model.period)] if isinstance(model, Sampled) else []
+    d = functions["prepare"](p, *(T_s or [0.0]))
+    equation = functions["step" if T_s else "output"]
+    for i in range(u.size):
+        delta = np.zeros(u.size)
+        delta[i] = DELTA * max(1.0, abs(u[i]))
+        sides = [equation.call([x, u + s * delta, p, d, *T_s])[-1] for s in (1, -1)]
+        above, below = (np.ravel(ca.DM(side).full()) for side in sides)
+        slope = (above - below) / (2 * delta[i])
+        told = found(x, u, p, d, *(T_s or [0.0]), 0 * x, delta / delta[i])[1]
+        allowed = 1e-3 * np.abs(slope) + 1e-6 + 1e-14 * np.abs(above) / delta[i]
+        if (np.abs(np.ravel(ca.DM(told).full()) - slope) > allowed).any():
+            return False
+    return True

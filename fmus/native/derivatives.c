@@ -9,8 +9,7 @@ int component_direction_begin(Component *c, const char *function) {
     if (!component_may(c, function, INITIALIZING | RUNNING))
         return 0;
     if (!M.tangent) {
-        component_refuse(c, "%s is not supported: %s rounds, and its derivative is zero "
-                            "almost everywhere", function, M.identifier);
+        component_refuse(c, "%s is not supported: %s rounds, or starts on a kink", function, M.identifier);
         return 0;
     }
     memset(c->simulation.tangent, 0, M.n_x * sizeof(double) + M.n_u * sizeof(double));

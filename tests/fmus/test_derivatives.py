@@ -70,7 +70,7 @@ def test_directional_derivatives_are_those_of_the_equations(
     differentiated, fmi, tmp_path
 ):
     module, s = differentiated, subject(differentiated)
-    if tangent(s.traced) is None:
+    if tangent(s.model, s.traced) is None:
         rounding = Instance(build(module, fmi=fmi), fmi, tmp_path, s.layout)
         with pytest.raises(Exception, match="status 3"):
             direction(s, fmi, rounding, s.start()[0], s.start()[1])
