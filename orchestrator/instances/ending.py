@@ -22,9 +22,6 @@ class Ended(SimulationError):
         super().__init__(f"{by} ended the run at t = {at:.9g} s: {reason}")
         self.by, self.at, self.reason = by, at, reason
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Ended, (self.by, self.at, self.reason)  # for a process of its own
-
 
 def discarded(instance: Any, t: float, h: float) -> tuple[float, str] | None:
     """Return when and why an FMU ended a run by discarding a step from t to t + h.

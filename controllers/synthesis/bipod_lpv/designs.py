@@ -3,6 +3,7 @@
     k_single   K(φ, ẋ_1) with the printed weights
     k_tuned    the same, weights calibrated to the published errors
 
+    k_hysteresis   two controllers, calibrated weights, switched with hysteresis
     k_smooth   two controllers and their smooth blend, by the source's descent
 
 Tables hold u = W_v m_0 ν over (φ, ẋ_1); the force is f_1 = H_1(φ) u/(W_v m_0).
@@ -21,7 +22,7 @@ import controllers.bipod
 from controllers.synthesis.bipod_lpv import single, smooth
 from controllers.synthesis.lpv import shipped
 from controllers.synthesis.lpv.design import Design, Verdict, verify
-from controllers.synthesis.lpv.problem import Values
+from controllers.synthesis.lpv.problem import Point, Values
 from controllers.synthesis.lpv.smooth import Smooth, certified, descend, rate_bound
 from controllers.synthesis.lpv.systems import System, continuous, transformed, tustin
 from controllers.synthesis.lpv.table import (
@@ -33,6 +34,7 @@ from controllers.synthesis.lpv.table import (
 
 FOLDER = Path(controllers.bipod.__file__).parent
 NAMES = ["phi", "v_1"]
+HYSTERESIS = ["k_hysteresis_1.json", "k_hysteresis_2.json"]
 STEPS = 3  # of the descent's step 1
 SMOOTH_AXES = (
     tuple(float(x) for x in np.deg2rad(np.linspace(10.0, 80.0, 57))),
@@ -117,6 +119,24 @@ def _made_smooth() -> dict[str, str]:
     return {"k_smooth.json": shipped.text(content)}
 
 
+def read_hysteresis() -> Design:
+    """Return the shipped design of two controllers with hysteresis."""
+    files = [json.loads((FOLDER / file).read_text()) for file in HYSTERESIS]
+    return shipped.read(single.hysteresis(single.TUNED), files, NAMES)
+
+
+def hysteresis_dense() -> tuple[tuple[Point, ...], ...]:
+    """Return the grids on which both regions are judged."""
+    first, second = (10.0, single.HIGH_DEG), (single.LOW_DEG, 80.0)
+    return single.dense(66, first), single.dense(31, second)
+
+
+def _made_hysteresis() -> dict[str, str]:
+    about = {"W_e": single.W_E, "m_0": single.M_0} | asdict(single.TUNED)
+    problem = single.hysteresis(single.TUNED)
+    return shipped.make(problem, hysteresis_dense(), NAMES, HYSTERESIS, about)
+
+
 def _made(name: str) -> dict[str, str]:
     weights = WEIGHTS[name]
     about = {"W_e": single.W_E, "m_0": single.M_0} | asdict(weights)
@@ -128,4 +148,5 @@ DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
     "k_single": lambda: _made("k_single"),
     "k_tuned": lambda: _made("k_tuned"),
     "k_smooth": _made_smooth,
+    "k_hysteresis": _made_hysteresis,
 }

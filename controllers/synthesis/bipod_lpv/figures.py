@@ -3,6 +3,7 @@
 import numpy as np
 
 from controllers.synthesis.bipod_lpv import designs, single, smooth
+from controllers.synthesis.lpv.design import verify
 from controllers.synthesis.lpv.frozen import frozen_optima
 from controllers.synthesis.lpv.smooth import rate_bound
 
@@ -21,6 +22,17 @@ def certified(name: str = "k_single") -> dict[str, float]:
         "gamma": verdict.gamma,
         "dense": verdict.dense[0],
         "table": verdict.table[0],
+    }
+
+
+def hysteresis() -> dict[str, float]:
+    """Return γ, the worst dense γ and table of both regions, and their links."""
+    verdict = verify(designs.read_hysteresis(), designs.hysteresis_dense())
+    return {
+        "gamma": verdict.gamma,
+        "dense": max(verdict.dense),
+        "table": max(verdict.table),
+        "links": verdict.links,
     }
 
 

@@ -12,17 +12,30 @@ where it is largest, and give the smallest γ, not the smallest error.
 Source: Hanifzadegan 2014, sec. 7.2, eq. 7.11 to 7.17.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from controllers.synthesis.lpv.problem import Basis, Point, Problem, Region, Values
+from controllers.synthesis.lpv.problem import (
+    Basis,
+    Link,
+    Point,
+    Problem,
+    Region,
+    Values,
+)
 from controllers.synthesis.lpv.systems import GeneralisedPlant, System
 from controllers.synthesis.lpv.weights import rational
 from plants.bipod._mechanism import Links, convective, damping, inertia
 
 W_E = ((1.0, 3359.0, 3.76e6, 1.40e9), (1.13, 134.0, 5325.0, 7.01e4))
 PHI_DEG = (10.0, 40.0, 55.0, 63.0, 68.0, 70.01, 72.7, 75.39, 77.0, 78.5, 79.3, 80.0)
+LOW_DEG, HIGH_DEG = 70.0, 75.4  # where two controllers meet
+FIRST_DEG = (
+    *(10.0, 18.0, 25.0, 32.0, 40.0, 45.0, 50.0, 54.0, 58.0, 61.0, 63.0, 65.0, 66.5),
+    *(68.0, 69.0, 70.0, 71.5, 73.0, 74.3, 75.4),
+)
+SECOND_DEG = (70.0, 71.5, 73.0, 74.3, 75.4, 77.0, 78.5, 79.3, 80.0)
 SPEED = 1.0  # m/s
 SCALE = 33.0  # of tan²φ: about its value at 80 degrees
 M_0 = 60.0  # kg, a middle inertia: ν is measured in W_v m_0
@@ -70,6 +83,31 @@ def problem(
         time=1e-2,
         gain=150.0,
         floors=(1e-2, 1e-2),
+    )
+
+
+def hysteresis(
+    weights: Weights = PRINTED, decay: float = 0.5, links: Links | None = None
+) -> Problem:
+    """Return the problem of two controllers with hysteresis between 70 and 75.4 deg.
+
+    Regions reach over the transition; the first hands over at its upper end, the
+    second at its lower.  γ is loose below 63 deg, so Y may bend there: the first
+    region needs its points close.  Arguments as of ``problem``.
+    """
+    p = Links() if links is None else links
+    single = problem(weights, PHI_DEG, decay, links)
+    low, high = float(np.deg2rad(LOW_DEG)), float(np.deg2rad(HIGH_DEG))
+    reach = [
+        tuple(float(x) for x in np.deg2rad(angles))
+        for angles in (FIRST_DEG, SECOND_DEG)
+    ]
+    switches = [Link(0, 1, (high, 0.0)), Link(1, 0, (low, 0.0))]
+    return replace(
+        single,
+        regions=tuple(Region(tied(angles, p), BASIS) for angles in reach),
+        axes=tuple((angles, (-SPEED, SPEED)) for angles in reach),
+        links=tuple(switches),
     )
 
 

@@ -87,6 +87,13 @@ def test_the_smooth_blend_certifies_by_the_published_descent() -> None:
     assert found["dense"] >= figures.frozen(80, 1.0)
 
 
+def test_hysteresis_has_a_synthesis_of_its_own_that_certifies() -> None:
+    found = figures.hysteresis()
+    assert found["gamma"] == pytest.approx(115.8, rel=0.01)
+    assert max(found["dense"], found["table"]) <= 123
+    assert found["links"] <= 0
+
+
 @pytest.mark.parametrize("name", ["k_single", "k_tuned"])
 def test_shipped_tables_are_what_the_formulas_give(name: str) -> None:
     assert designs.verdict(designs.read(name)).difference < 1e-4
