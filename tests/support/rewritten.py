@@ -21,11 +21,13 @@ def rewritten(
 ) -> Path:
     """Write an FMU into a folder; ``edit`` takes the root of its description.
 
-    ``more`` adds files, ``inside`` goes before the name of every old one.
+    ``more`` adds or replaces files, ``inside`` goes before the name of every old one.
     """
     target = folder / "edited.fmu"
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as new:
         for name in old.namelist():
+            if name in (more or {}):
+                continue
             content = old.read(name)
             if name == DESCRIPTION and edit is not None:
                 root = etree.fromstring(content)

@@ -99,6 +99,8 @@ def in_unit(name: str, quantity: str = "", **exponents: str) -> Edit:
         unit = etree.SubElement(root.find("UnitDefinitions"), "Unit", name=name)
         etree.SubElement(unit, "BaseUnit", exponents)
         real = variable(root, "u").find("Real")
+        for told in ("quantity", "declaredType", "displayUnit"):
+            real.attrib.pop(told, None)
         real.set("unit", name)
         if quantity:
             real.set("quantity", quantity)

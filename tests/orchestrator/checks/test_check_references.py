@@ -72,10 +72,12 @@ def results(fmu: Path, mass: float, pushed: bool = True) -> dict[str, np.ndarray
 
 
 def packed(folder: Path, fmu: Path, files: dict[str, str]) -> Path:
-    """Write an FMU again with files of the layered standard."""
+    """Write an FMU again with these files of the layered standard alone."""
     target = folder / "referenced.fmu"
-    target.write_bytes(fmu.read_bytes())
-    with zipfile.ZipFile(target, "a") as archive:
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w") as archive:
+        for name in old.namelist():
+            if not name.startswith(FOLDER):
+                archive.writestr(name, old.read(name))
         for name, text in files.items():
             archive.writestr(f"{FOLDER}/{name}", text)
     return target
