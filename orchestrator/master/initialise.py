@@ -147,10 +147,14 @@ def _solve(
 ) -> None:
     places, copies = list(unknown), list(unknown.values())
     start = vector[places].copy()
-    if _substitute(wiring, instances, vector, order, places, copies):
-        return
-    vector[places] = start
     real = all(_is_real(wiring, place) for place in places)
+    try:
+        if _substitute(wiring, instances, vector, order, places, copies):
+            return
+    except SimulationError:  # far from a solution an FMU may refuse anything
+        if not real:
+            raise
+    vector[places] = start
     if real and _newton(wiring, instances, vector, order, places, copies):
         return
     listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in opened)
@@ -169,19 +173,21 @@ def _substitute(
     places: list[int],
     copies: list[Copy],
 ) -> bool:
-    """Go round a circle until nothing moves; tell whether that was reached."""
+    """Go round a circle until nothing moves; tell whether that was reached.
+
+    Raises:
+        SimulationError: an FMU refuses what it is given on the way.
+    """
     seen = views(vector)
     for _ in range(SUBSTITUTIONS):
         before = vector[places].copy()
-        try:
-            _sweep(wiring, instances, vector, order, set(places))
-            for copy in copies:
-                carry(copy, seen, 0.0)
-        except SimulationError:  # far from a solution an FMU may refuse anything
-            return False
+        _sweep(wiring, instances, vector, order, set(places))
+        for copy in copies:
+            carry(copy, seen, 0.0)
         if _settled(before, vector[places]):
             return True
-        if not np.all(np.isfinite(vector[places])):
+        doubles = [copy.sink for copy in copies if copy.to == "float64"]
+        if not np.all(np.isfinite(vector[doubles])):
             return False
     return False
 

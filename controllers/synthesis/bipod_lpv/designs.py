@@ -11,8 +11,7 @@ Tables hold u = W_v m_0 ν over (φ, ẋ_1); the force is f_1 = H_1(φ) u/(W_v m
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
-from fractions import Fraction
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +19,10 @@ import numpy as np
 
 import controllers.bipod
 from controllers.synthesis.bipod_lpv import single, smooth
-from controllers.synthesis.lpv import shipped
+from controllers.synthesis.lpv import shipped, smooth_file
 from controllers.synthesis.lpv.design import Design, Verdict, verify
-from controllers.synthesis.lpv.problem import Point, Values
-from controllers.synthesis.lpv.smooth import Smooth, certified, descend, rate_bound
-from controllers.synthesis.lpv.systems import System, continuous, transformed, tustin
-from controllers.synthesis.lpv.table import (
-    Table,
-    balancing_states,
-    points_of,
-    tabulated,
-)
+from controllers.synthesis.lpv.problem import Point
+from controllers.synthesis.lpv.smooth import descend
 
 FOLDER = Path(controllers.bipod.__file__).parent
 NAMES = ["phi", "v_1"]
@@ -54,69 +46,16 @@ def verdict(found: Design) -> Verdict:
     return verify(found, (single.dense(),))
 
 
-def read_smooth() -> tuple[Smooth, Table]:
-    """Return the shipped smooth design and its table."""
-    content = json.loads((FOLDER / "k_smooth.json").read_text())
-    about = content["design"]
-    begun = smooth.start(read("k_single"))
-    found = replace(
-        begun,
-        T_K=np.array(about["T_K"]),
-        T=np.array(about["T"]),
-        K=np.array(about["K"]),
-        P=np.array(about["P"]),
-        history=tuple(about["history"]),
-    )
-    system = System(*(np.array(content[name]) for name in "ABCD"))
-    axes = tuple(np.array(content[name]) for name in NAMES)
-    return found, Table(axes, float(Fraction(content["period"])), system)
-
-
-def certified_smooth() -> tuple[float, float]:
-    """Return γ of the blend and of its table on the dense grid, without a solver."""
-    found, table = read_smooth()
-    units, states = found.start.units, np.array(_about_smooth()["balance"])
-    back = np.linalg.inv(states)
-
-    def tabulated_K(rho: Values) -> System:
-        K = units.scaled(continuous(table.at(rho), table.T_s))
-        return transformed(K, back)
-
-    dense = smooth.dense()
-    return certified(found, dense), certified(found, dense, tabulated_K)
-
-
-def _about_smooth() -> Mapping[str, Any]:
-    content = json.loads((FOLDER / "k_smooth.json").read_text())
-    about: Mapping[str, Any] = content["design"]
-    return about
+def smooth_content() -> Mapping[str, Any]:
+    """Return the file of the smooth design."""
+    content: Mapping[str, Any] = json.loads((FOLDER / "k_smooth.json").read_text())
+    return content
 
 
 def _made_smooth() -> dict[str, str]:
     found = descend(smooth.start(read("k_single")), STEPS)
-    points = points_of(SMOOTH_AXES)
-    units, T_s = found.start.units, single.T_S
-    plain = [tustin(units.controller(found.controller(rho)), T_s) for rho in points]
-    balance = balancing_states(plain)
-    table = tabulated([transformed(K, balance) for K in plain], SMOOTH_AXES, T_s)
-    about = {
-        "gamma": found.history[-1],
-        "dense": certified(found, smooth.dense()),
-        "history": list(found.history),
-        "low_deg": smooth.LOW_DEG,
-        "high_deg": smooth.HIGH_DEG,
-        "decay": smooth.DECAY,
-        "rate_bound": rate_bound(found, smooth.dense()),
-        "versions": shipped.versions(),
-        "balance": balance,
-        "T_K": found.T_K,
-        "T": found.T,
-        "K": found.K,
-        "P": found.P,
-    }
-    axes = dict(zip(NAMES, table.axes, strict=True))
-    content = shipped.sampled(table.system, T_s) | axes | {"design": about}
-    return {"k_smooth.json": shipped.text(content)}
+    text = smooth_file.text(found, NAMES, SMOOTH_AXES, single.T_S, smooth.dense())
+    return {"k_smooth.json": text}
 
 
 def read_hysteresis() -> Design:

@@ -3,9 +3,9 @@
 import numpy as np
 
 from controllers.synthesis.bipod_lpv import designs, single, smooth
+from controllers.synthesis.lpv import smooth_file
 from controllers.synthesis.lpv.design import verify
 from controllers.synthesis.lpv.frozen import frozen_optima
-from controllers.synthesis.lpv.smooth import rate_bound
 
 
 def frozen(phi_deg: float, v_1: float) -> float:
@@ -41,13 +41,6 @@ def smooth_switching() -> dict[str, float]:
 
     η is in the single design's units and the states of ``smooth.UNIT``.
     """
-    blend, table = designs.certified_smooth()
-    found, _ = designs.read_smooth()
-    dense = smooth.dense()
-    begun = smooth.start(found.start)
-    return {
-        "dense": blend,
-        "table": table,
-        "eta_begun": rate_bound(begun, dense),
-        "eta": rate_bound(found, dense),
-    }
+    begun = smooth.start(designs.read("k_single"))
+    content = designs.smooth_content()
+    return smooth_file.verified(content, begun, designs.NAMES, smooth.dense())

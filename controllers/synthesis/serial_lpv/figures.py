@@ -1,7 +1,8 @@
 """Figures of the serial machine's designs, from the shipped tables."""
 
+from controllers.synthesis.lpv import smooth_file
 from controllers.synthesis.lpv.frozen import frozen_optima
-from controllers.synthesis.serial_lpv import designs, single
+from controllers.synthesis.serial_lpv import designs, single, smooth
 
 
 def frozen(x_c: float, disturbance: float = 1.0) -> float:
@@ -18,3 +19,10 @@ def certified(name: str = "k_undisturbed") -> dict[str, float]:
         "dense": verdict.dense[0],
         "table": verdict.table[0],
     }
+
+
+def smooth_switching() -> dict[str, float]:
+    """Return the dense γ of the smooth design and of its table, η before and after."""
+    begun = smooth.start(designs.read("k_undisturbed"))
+    content = designs.smooth_content()
+    return smooth_file.verified(content, begun, designs.NAMES, smooth.dense())

@@ -26,7 +26,8 @@ from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.fused.library import load
 from orchestrator.master.fused.memory import Memory
-from orchestrator.master.fused.source import Own, Source
+from orchestrator.master.fused.own import Own
+from orchestrator.master.fused.source import Source
 from orchestrator.master.kernel import CHUNK_S, FIRST, Kernel
 from orchestrator.master.layout import Part
 from orchestrator.master.recorder import Table

@@ -24,7 +24,8 @@ from orchestrator.master.fused.executor import (
 )
 from orchestrator.master.fused.library import load
 from orchestrator.master.fused.memory import Memory, aligned
-from orchestrator.master.fused.source import Own, Source
+from orchestrator.master.fused.own import Own
+from orchestrator.master.fused.source import Source
 from orchestrator.master.layout import Column, Part
 from orchestrator.master.member import Values, part_with
 from orchestrator.master.timetable import Timetable, table_name

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.equations import Equations
+from orchestrator.master.fused.faulty import memory_of
 from orchestrator.master.fused.library import structures
-from orchestrator.master.fused.source import Own, Source, memory_of
+from orchestrator.master.fused.own import Own
+from orchestrator.master.fused.source import Source
 
 FloatArray = NDArray[np.float64]
 SHORTEST = 16  # steps of h_max / 16 fit into a delay line, as in simulation.c

@@ -81,7 +81,7 @@ def test_the_calibrated_design_certifies_with_its_table() -> None:
 def test_the_smooth_blend_certifies_by_the_published_descent() -> None:
     """γ falls with each step 1 and stays above the frozen bound."""
     found = figures.smooth_switching()
-    steps = designs.read_smooth()[0].history[::2]
+    steps = designs.smooth_content()["design"]["history"][::2]
     assert list(steps) == sorted(steps, reverse=True)
     assert found["dense"] <= 275
     assert found["dense"] >= figures.frozen(80, 1.0)

@@ -32,3 +32,9 @@ def test_shipped_designs_certify_with_their_tables(
     assert found["dense"] <= dense
     assert found["table"] <= dense
     assert designs.verdict(designs.read(name)).difference < 1e-3
+
+
+def test_the_smooth_blend_certifies_and_turns_more_slowly_than_its_start() -> None:
+    found = figures.smooth_switching()
+    assert 15.5 < found["dense"] <= 1.02 * 16.7
+    assert found["eta"] < found["eta_begun"]

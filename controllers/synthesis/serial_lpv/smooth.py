@@ -1,0 +1,64 @@
+"""Smooth switching of the serial machine's axis, by the source's descent.
+
+Regions x_c <= 0.38 m and x_c >= 0.42 m; K and P affine in x_c, disturbance off.
+
+Source: Hanifzadegan 2014, sec. 7.1.1.
+"""
+
+import numpy as np
+
+from controllers.synthesis.lpv.design import Design
+from controllers.synthesis.lpv.problem import polynomial
+from controllers.synthesis.lpv.smooth import Sided, Smooth, Switching, begin
+from controllers.synthesis.serial_lpv import single
+
+LOW, HIGH = 0.38, 0.42  # m
+BELOW, INSIDE = (0.2, 0.245, 0.29, 0.335), (0.39, 0.4, 0.41)
+ABOVE = (0.465, 0.51, 0.555, 0.6)
+DECAY = 0.05  # 1/s
+
+
+def problem() -> Switching:
+    """Return what the descent is told."""
+    return Switching(
+        plant=single.plant(single.UNDISTURBED),
+        low=LOW,
+        high=HIGH,
+        K_basis=lambda rho: np.array([1.0, (rho[0] - 0.4) / 0.2]),
+        P_basis=polynomial(0.4, 0.2, 1),
+        points=points(BELOW, INSIDE, ABOVE),
+        decay=DECAY,
+    )
+
+
+def start(design: Design) -> Smooth:
+    """Return step 0 from a single LPV design."""
+    fits = [
+        [(float(x),) for x in np.linspace(*ends, 21)]
+        for ends in ((0.2, HIGH), (LOW, 0.6))
+    ]
+    return begin(problem(), design, (0.4,), fits)
+
+
+def points(
+    below: tuple[float, ...], inside: tuple[float, ...], above: tuple[float, ...]
+) -> tuple[Sided, ...]:
+    """Return positions with both slopes at either end of the transition, two rates."""
+    positions = [
+        *((x, 0) for x in below),
+        *((LOW, side) for side in (-1, 1)),
+        *((x, 0) for x in inside),
+        *((HIGH, side) for side in (-1, 1)),
+        *((x, 0) for x in above),
+    ]
+    rates = (-single.SPEED, single.SPEED)
+    return tuple(Sided((float(x),), (v,), side) for x, side in positions for v in rates)
+
+
+def dense() -> tuple[Sided, ...]:
+    """Return the points on which a design is judged."""
+    return points(
+        tuple(np.linspace(0.2, 0.379, 41)),
+        tuple(np.linspace(0.381, 0.419, 15)),
+        tuple(np.linspace(0.421, 0.6, 41)),
+    )
