@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from orchestrator.evaluation.expectation import Check
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.reading import Scenario

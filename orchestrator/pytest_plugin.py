@@ -142,7 +142,7 @@ def build_fmu(tmp_path: Path) -> Callable[..., Path]:
     Options are those of ``fmus.build.build``; a period may be text.
     """
     from fmus.build import build
-    from orchestrator.quantity import parse_period
+    from orchestrator.quantities.quantity import parse_period
 
     def built(module: str | Path, **options: Any) -> Path:
         if (period := options.get("period")) is not None:

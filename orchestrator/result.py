@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import FmuError, did_you_mean
-from orchestrator.instants import Instants
 from orchestrator.profile import Profile
-from orchestrator.unit import Unit
+from orchestrator.quantities.instants import Instants
+from orchestrator.quantities.unit import Unit
 
 if TYPE_CHECKING:
     import pandas as pd

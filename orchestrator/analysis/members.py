@@ -22,7 +22,7 @@ from orchestrator.evaluation.metrics import evaluate
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
-from orchestrator.quantity import Quantity, parse_quantity
+from orchestrator.quantities.quantity import Quantity, parse_quantity
 from orchestrator.result import Recorded
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Value, split_name

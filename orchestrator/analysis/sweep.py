@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from orchestrator.analysis.members import Group, Job, Outcome, split
 from orchestrator.analysis.variations import Assignment, Axis, Setting, grid
 from orchestrator.errors import FeedDriveError, ScenarioError
-from orchestrator.quantity import NoValue
+from orchestrator.quantities.quantity import NoValue
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.session import naming, run_earlier

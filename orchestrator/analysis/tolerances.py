@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from orchestrator.analysis.variations import Assignment, Tolerance
 from orchestrator.errors import ScenarioError
-from orchestrator.quantity import parse_quantity
+from orchestrator.quantities.quantity import parse_quantity
 from orchestrator.scenario.compose import Composition
 
 FloatArray = NDArray[np.float64]

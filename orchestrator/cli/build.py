@@ -10,7 +10,7 @@ import typer
 
 from orchestrator.cli.fmus import Json, model_modules
 from orchestrator.cli.output import command, print_json, print_table, waiting
-from orchestrator.quantity import parse_period
+from orchestrator.quantities.quantity import parse_period
 
 if TYPE_CHECKING:
     from orchestrator.cli.designed import Designed

@@ -21,14 +21,14 @@ def design(
     json: Json = False,
 ) -> None:
     """Make a shipped design anew and show what changed; list them without a name."""
-    from orchestrator.errors import ScenarioError
-    from orchestrator.redesign import (
+    from orchestrator.analysis.redesign import (
         compare,
         find_design,
         make_anew,
         shipped_designs,
     )
-    from orchestrator.redesign import write as replace
+    from orchestrator.analysis.redesign import write as replace
+    from orchestrator.errors import ScenarioError
 
     if name is None:
         if write:

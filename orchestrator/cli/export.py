@@ -32,7 +32,7 @@ def export(
     """Write the rows of a run as CSV, MAT (as Dymola does) or HDF5, by the suffix."""
     from orchestrator.errors import ScenarioError
     from orchestrator.exchange.tables import export as write
-    from orchestrator.quantity import parse_period
+    from orchestrator.quantities.quantity import parse_period
 
     try:
         period = None if at is None else parse_period(at)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.output import command, print_json, print_table, waiting
-from orchestrator.quantity import parse_period, rate, time_text
+from orchestrator.quantities.quantity import parse_period, rate, time_text
 
 if TYPE_CHECKING:
     from fmus.model import Model

@@ -26,7 +26,7 @@ from orchestrator.cli.swap import (
     propose_map,
 )
 from orchestrator.evaluation.compare import number
-from orchestrator.quantity import NoValue, rate, time_text
+from orchestrator.quantities.quantity import NoValue, rate, time_text
 
 if TYPE_CHECKING:
     from orchestrator.master.ages import Plan

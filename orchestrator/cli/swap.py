@@ -15,7 +15,7 @@ import typer
 from orchestrator.cli.output import print_table, waiting
 from orchestrator.cli.running import load, simulate
 from orchestrator.evaluation.compare import change, number
-from orchestrator.quantity import NoValue
+from orchestrator.quantities.quantity import NoValue
 
 if TYPE_CHECKING:
     from orchestrator.fmu.description import FmuDescription

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 
 ROUND_OFF = 1e-9  # of what it stands beside: a figure that small is nothing
 LARGEST = 1e6  # % of change that are still written as a number

@@ -15,9 +15,9 @@ import numpy as np
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.schema import MetricSpec, OnsetMetric, SustainedMetric
-from orchestrator.instants import Instants
 from orchestrator.master.layout import Column
-from orchestrator.quantity import rate
+from orchestrator.quantities.instants import Instants
+from orchestrator.quantities.quantity import rate
 from orchestrator.result import Recorded, Result, Signal
 
 Tables: TypeAlias = Mapping[Fraction, Sequence[Column]]

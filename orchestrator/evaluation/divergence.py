@@ -23,9 +23,9 @@ from orchestrator.evaluation.schema import (
     StepMetric,
     SustainedMetric,
 )
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
+from orchestrator.quantities.unit import unit_of
 from orchestrator.result import Signal
-from orchestrator.unit import unit_of
 
 TIMES_FOLLOWED = 1e6
 LIMIT_SI = 1e12

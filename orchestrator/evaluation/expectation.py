@@ -8,7 +8,7 @@ import numpy as np
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.schema import Expectation
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 
 
 @dataclass(frozen=True)

@@ -36,14 +36,20 @@ from orchestrator.evaluation.schema import (
     SustainedMetric,
 )
 from orchestrator.evaluation.spectrum import spectrum_line, strongest_line
-from orchestrator.quantity import (
+from orchestrator.quantities.quantity import (
     NoValue,
     Quantity,
     converter,
     parse_quantity,
 )
+from orchestrator.quantities.unit import (
+    Unit,
+    conversion,
+    product_unit,
+    quotient_unit,
+    unit_of,
+)
 from orchestrator.result import End, Signal
-from orchestrator.unit import Unit, conversion, product_unit, quotient_unit, unit_of
 
 Array: TypeAlias = NDArray[np.float64]
 Parameters: TypeAlias = Callable[[str], Quantity]

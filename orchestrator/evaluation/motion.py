@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationInfo
 
 from orchestrator.errors import did_you_mean
-from orchestrator.quantity import parse_period
+from orchestrator.quantities.quantity import parse_period
 
 
 @dataclass

@@ -23,7 +23,7 @@ from pydantic import (
 
 from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import named_period
-from orchestrator.quantity import parse_time
+from orchestrator.quantities.quantity import parse_time
 
 Factor: TypeAlias = float | str
 

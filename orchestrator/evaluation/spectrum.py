@@ -5,8 +5,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.quantity import NoValue, Quantity
-from orchestrator.unit import Unit
+from orchestrator.quantities.quantity import NoValue, Quantity
+from orchestrator.quantities.unit import Unit
 
 Array: TypeAlias = NDArray[np.float64]
 

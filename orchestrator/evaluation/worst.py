@@ -25,7 +25,7 @@ from orchestrator.evaluation.schema import (
     SineMetric,
     StepMetric,
 )
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
 from orchestrator.result import Signal
 
 Array: TypeAlias = NDArray[np.float64]

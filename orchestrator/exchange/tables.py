@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
-from orchestrator.quantity import rate
+from orchestrator.quantities.quantity import rate
 from orchestrator.result import Result, Signal
 
 Table: TypeAlias = dict[str, Signal]

@@ -24,8 +24,8 @@ from orchestrator.fmu.declared import (
     units,
 )
 from orchestrator.fmu.own import kind_and_period
+from orchestrator.quantities.unit import Unit, unit_of_fmu
 from orchestrator.system import Kind
-from orchestrator.unit import Unit, unit_of_fmu
 
 Sort = Literal["real", "integer", "boolean", "string", "binary"]
 Dtype = Literal["float64", "int64", "uint64"]

@@ -14,8 +14,8 @@ from typing import NamedTuple
 from fmus.units import TurnError, UnitError, base_unit
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.quantities.unit import UndefinedUnit, Unit, conversion
 from orchestrator.system import Component, Mapped
-from orchestrator.unit import UndefinedUnit, Unit, conversion
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from typing import TypeAlias
 from orchestrator.fmu.description import Dtype, FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, Port
 from orchestrator.fmu.start_values import Written, start_values
-from orchestrator.instants import Instants
 from orchestrator.master.places import Copy
+from orchestrator.quantities.instants import Instants
+from orchestrator.quantities.unit import Unit, unit_of
 from orchestrator.system import Component, Fault, Kind, System
-from orchestrator.unit import Unit, unit_of
 
 Link: TypeAlias = tuple[Port, Port, Affine]  # from an output to an input
 

@@ -20,7 +20,7 @@ from orchestrator.fmu.start_values import start_values
 from orchestrator.fmu.structure import sized
 from orchestrator.fmu.typed import held
 from orchestrator.master.simulate import open_instance
-from orchestrator.quantity import parse_period
+from orchestrator.quantities.quantity import parse_period
 from orchestrator.system import Component, Value
 
 

@@ -15,7 +15,7 @@ from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import ports
 from orchestrator.master.faults import describe
 from orchestrator.master.undriven import in_words
-from orchestrator.quantity import rate
+from orchestrator.quantities.quantity import rate
 from orchestrator.system import Component
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from orchestrator.evaluation.metrics import factors
 from orchestrator.evaluation.schema import Expectation, MetricSpec
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run

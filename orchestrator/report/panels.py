@@ -20,10 +20,10 @@ from orchestrator.evaluation.schema import (
     PlainMetric,
     StepMetric,
 )
-from orchestrator.quantity import converter
+from orchestrator.quantities.quantity import converter
+from orchestrator.quantities.unit import told, unit_of
 from orchestrator.report.limits import Limit, limits
 from orchestrator.system import split_name
-from orchestrator.unit import told, unit_of
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.evaluation.schema import Expectation
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
 
 HEIGHT = 420
 FAILED = "#d1495b"

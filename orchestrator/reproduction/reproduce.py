@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.history.folder import Begun, taken
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.reproduction.formula import evaluate_formula
 from orchestrator.reproduction.reference import (
     FigureSpec,

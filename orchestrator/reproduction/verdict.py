@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.reproduction.published import Statement, Verdict, judge
 from orchestrator.reproduction.reference import FigureSpec
 

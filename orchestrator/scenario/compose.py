@@ -21,7 +21,8 @@ from orchestrator.errors import (
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
 from orchestrator.master.undriven import Undriven, undriven
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
+from orchestrator.quantities.unit import Unit
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.locate import component_of, locate
@@ -45,7 +46,6 @@ from orchestrator.system import (
     Fault,
     System,
 )
-from orchestrator.unit import Unit
 from orchestrator.warned import collecting, warn
 
 RunEarlier: TypeAlias = Callable[[str], Result]

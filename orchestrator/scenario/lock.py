@@ -15,7 +15,7 @@ from typing import Any
 
 from orchestrator.evaluation.metrics import factor
 from orchestrator.evaluation.schema import Factor, MetricSpec
-from orchestrator.quantity import time_text
+from orchestrator.quantities.quantity import time_text
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Component, Isolation
 

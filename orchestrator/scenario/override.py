@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.quantity import DecimalFloat
+from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.schema import parse_setting
 
 _TABLES = ("rates", "design", "faults", "metrics", "record", "connections")

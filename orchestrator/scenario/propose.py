@@ -18,9 +18,9 @@ import numpy as np
 
 from fmus.units import UnitError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.quantities.unit import conversion
 from orchestrator.scenario.pulse import Measured, Subject, measure, signs
 from orchestrator.system import Component, System, split_name
-from orchestrator.unit import conversion
 
 LEAST = 1.0  # points below which two variables have nothing in common
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")

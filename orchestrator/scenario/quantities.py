@@ -10,9 +10,9 @@ from fmus.units import UnitError, base_unit
 from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import ports
-from orchestrator.quantity import parse_quantity
+from orchestrator.quantities.quantity import parse_quantity
+from orchestrator.quantities.unit import Unit, conversion
 from orchestrator.system import Component, Value
-from orchestrator.unit import Unit, conversion
 from orchestrator.warned import warn
 
 

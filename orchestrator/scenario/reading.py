@@ -22,7 +22,7 @@ from pydantic import ValidationError
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.rates import RateContext
-from orchestrator.quantity import DecimalFloat
+from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification

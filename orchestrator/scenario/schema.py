@@ -28,7 +28,7 @@ from pydantic import (
 from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import RateContext, named_period
 from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
-from orchestrator.quantity import parse_bytes, parse_period, parse_time
+from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
 _RESERVED = (

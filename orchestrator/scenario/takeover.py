@@ -12,9 +12,9 @@ from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, is_inward, ports
+from orchestrator.quantities.unit import Unit, conversion
 from orchestrator.scenario.schema import ComponentSpec, MapSpec
 from orchestrator.system import Component, Mapped, Value
-from orchestrator.unit import Unit, conversion
 from orchestrator.warned import warn
 
 TABLES = ("parameters", "start")

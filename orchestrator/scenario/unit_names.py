@@ -11,10 +11,10 @@ from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.metrics import Parameters, unit_doubts
 from orchestrator.evaluation.schema import Expectation, Factor, MetricSpec
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.quantity import Quantity, parse_quantity
+from orchestrator.quantities.quantity import Quantity, parse_quantity
+from orchestrator.quantities.unit import Unit, UnitNames, conversion
 from orchestrator.scenario.schema import Specification
 from orchestrator.system import split_name
-from orchestrator.unit import Unit, UnitNames, conversion
 from orchestrator.warned import warn
 
 MAGNITUDES = ("peak", "rms")  # of a value with an offset they do not convert

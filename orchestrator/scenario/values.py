@@ -7,9 +7,9 @@ from orchestrator.errors import ScenarioError, WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.fmu.start_values import declared_value
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
+from orchestrator.quantities.unit import Unit, unit_of
 from orchestrator.system import Component, Value, split_name
-from orchestrator.unit import Unit, unit_of
 
 Part: TypeAlias = tuple[Component, FmuDescription]
 

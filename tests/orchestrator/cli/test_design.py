@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator import redesign
+from orchestrator.analysis import redesign
+from orchestrator.analysis.redesign import Shipped, compare
 from orchestrator.cli import app
-from orchestrator.redesign import Shipped, compare
 
 OLD = {"A": [[2.0, 1.0]], "design": {"gamma": 4.0, "weights": {"W": 1}}}
 NEW = {"A": [[2.0, 1.5]], "design": {"gamma": 5.0, "weights": {"W": 2}}}

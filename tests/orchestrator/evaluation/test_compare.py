@@ -3,7 +3,7 @@
 import pytest
 
 from orchestrator.evaluation.compare import change
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 
 
 def told(before: Quantity, after: Quantity, peak: float = 0.0) -> str:

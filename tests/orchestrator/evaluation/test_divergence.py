@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.schema import MetricSpec
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
 from orchestrator.result import Signal
 
 TIME = np.arange(1001) / 1000

@@ -8,7 +8,7 @@ from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.evaluation.schema import Expectation, MetricSpec
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.result import Signal
 
 TIME = np.arange(2001) / 1000

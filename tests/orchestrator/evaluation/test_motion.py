@@ -9,7 +9,7 @@ from orchestrator.evaluation.motion import (
     step_response,
     sustained,
 )
-from orchestrator.quantity import NoValue, Quantity
+from orchestrator.quantities.quantity import NoValue, Quantity
 
 time = np.arange(5001) * 2e-4
 

@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 
 from orchestrator.evaluation.schema import Expectation, MetricSpec
 from orchestrator.evaluation.worst import worst_stretch
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
 from orchestrator.result import Signal
 
 T = np.arange(1001) / 1000

@@ -20,10 +20,10 @@ from orchestrator.fmu.declared import Declared
 from orchestrator.fmu.description import FmuVariable, read_fmu
 from orchestrator.fmu.ports import connection, ports
 from orchestrator.master.wiring import wire
-from orchestrator.quantity import Quantity
+from orchestrator.quantities.quantity import Quantity
+from orchestrator.quantities.unit import Unit, UnitNames, conversion, unit_of_fmu
 from orchestrator.result import Signal
 from orchestrator.system import Component, Mapped, System
-from orchestrator.unit import Unit, UnitNames, conversion, unit_of_fmu
 
 NOT_RAD = ("kg", "m", "s", "A", "K", "mol", "cd")
 EPS = np.finfo(float).eps

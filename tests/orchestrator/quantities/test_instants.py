@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orchestrator.instants import Instants
+from orchestrator.quantities.instants import Instants
 
 periods = st.builds(Fraction, st.integers(1, 12), st.integers(1, 30))
 firsts = st.builds(Fraction, st.integers(0, 20), st.integers(1, 30))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fmus.units import UnitError
-from orchestrator.quantity import (
+from orchestrator.quantities.quantity import (
     DecimalFloat,
     Quantity,
     converter,
@@ -16,7 +16,7 @@ from orchestrator.quantity import (
     parse_time,
     time_text,
 )
-from orchestrator.unit import product_unit, quotient_unit
+from orchestrator.quantities.unit import product_unit, quotient_unit
 
 
 @pytest.mark.parametrize(

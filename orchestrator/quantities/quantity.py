@@ -12,7 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from orchestrator.unit import Unit, conversion, unit_of
+from orchestrator.quantities.unit import Unit, conversion, unit_of
 
 _SECONDS = {
     "s": Fraction(1),
