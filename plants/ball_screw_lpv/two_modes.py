@@ -27,7 +27,7 @@ TABLE = json.loads(read_data(__file__, "two_modes.json"))
 
 
 class State(NamedTuple):
-    u_0: Annotated[float, Var("m", "position of the rigid body", nominal=0.1)] = 0.0
+    u_0: Annotated[float, Var("m", "position of the rigid body", nominal=0.01)] = 0.0
     v: Annotated[float, Var("m/s", "speed of the rigid body", nominal=0.1)] = 0.0
     q: Annotated[FloatArray, Var("m", "deflections of the modes", nominal=1e-4)] = (
         np.zeros(2)
