@@ -22,7 +22,8 @@ from orchestrator.errors import DesignError, FeedDriveError, did_you_mean
 from orchestrator.result import Signal
 from orchestrator.scenario.design_cache import remembered
 from orchestrator.scenario.moved import refusal
-from orchestrator.scenario.schema import DesignSpec, in_floats, parse_value
+from orchestrator.scenario.schema import DesignSpec
+from orchestrator.scenario.written import in_floats, parse_value
 from orchestrator.system import Value
 
 Lookup: TypeAlias = Callable[[str], Value]

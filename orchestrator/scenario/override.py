@@ -22,7 +22,7 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
-from orchestrator.scenario.schema import parse_setting
+from orchestrator.scenario.written import parse_setting
 
 _TABLES = ("rates", "design", "faults", "metrics", "record", "connections")
 _OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")

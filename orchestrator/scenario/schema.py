@@ -10,9 +10,8 @@ at several rates: ``"plant.x_2" = ["20 kHz", "1 kHz"]``.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from math import isfinite
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
@@ -29,65 +28,18 @@ from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import RateContext, named_period
 from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
 from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
+from orchestrator.scenario.written import (
+    in_floats,
+    parse_scalar,
+    parse_setting,
+    parse_value,
+)
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
 _RESERVED = (
     *("stop", "fmi", "rates", "design", "base", "faults"),
     *("metrics", "record", "connections"),
 )
-
-
-def parse_value(value: Any) -> Value:
-    """Return the value of a parameter or state: number, switch or flat array.
-
-    Whole numbers stay such, of any size.
-
-    Raises:
-        ValueError: not a number, or not a finite one.
-    """
-    if isinstance(value, bool):
-        return value
-    if isinstance(value, list):
-        try:
-            array = np.array(value, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise ValueError(f"{value} is not an array of numbers") from None
-        if not np.all(np.isfinite(array)):
-            raise ValueError(f"{value} holds a number that is not finite")
-        return tuple(parse_scalar(v) for v in _flat(value))
-    return parse_scalar(value)
-
-
-def parse_scalar(value: Any) -> float | bool:
-    """Return a single value.
-
-    Raises:
-        ValueError: not a number, true or false, or not a finite number.
-    """
-    if isinstance(value, bool):
-        return value
-    if not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is not a number, true, false or an array")
-    if isinstance(value, int):
-        return value
-    if not isfinite(value):
-        raise ValueError(f"{value} is not a finite number")
-    return float(value)
-
-
-def _flat(value: Any) -> Iterator[Any]:
-    if isinstance(value, list):
-        for one in value:
-            yield from _flat(one)
-    else:
-        yield value
-
-
-def in_floats(value: Value) -> Value:
-    """Return a value for a design function, whose whole numbers are floats too."""
-    if isinstance(value, tuple):
-        return tuple(v if isinstance(v, bool | str) else float(v) for v in value)
-    return value if isinstance(value, bool | str) else float(value)
 
 
 def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
@@ -97,22 +49,6 @@ def _rows(value: Any, info: ValidationInfo) -> tuple[Fraction | None, ...]:
         raise ValueError("give a rate, a list of rates, or true")
     found = [None if one is True else named_period(one, info) for one in several]
     return tuple(dict.fromkeys(found))
-
-
-def parse_setting(value: Any) -> Value:
-    """Return what a parameter or start is set to: a value, or texts.
-
-    A text may be a quantity (``"8 kg"``), the item of an enumeration, a String.
-
-    Raises:
-        ValueError: it is neither.
-    """
-    if isinstance(value, str):
-        return value
-    texts = list(_flat(value)) if isinstance(value, list) else []
-    if texts and all(isinstance(text, str) for text in texts):
-        return tuple(texts)
-    return parse_value(value)
 
 
 def _source(value: Any) -> float | str | tuple[str, ...]:
