@@ -111,7 +111,11 @@ class Lanes:
         changed = {
             name: part_with(parts[name], given) for name, given in member.items()
         }
-        return {name: _base(own[name], part) for name, part in changed.items()}
+        start = {name: _base(own[name], part) for name, part in changed.items()}
+        for tau in self._dead_times(start):
+            if tau < 0:  # the FMU itself would refuse it
+                raise WiringError(f"a dead time of {tau:g} s cannot be negative")
+        return start
 
     def _dead_times(self, start: "Start") -> tuple[float, ...]:
         return tuple(

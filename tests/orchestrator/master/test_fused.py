@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from random_systems import SCENARIOS, row, systems
 
+from fmus.build import build
 from orchestrator.errors import SimulationError, WiringError
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.simulate import plan, simulate
@@ -16,8 +17,9 @@ from orchestrator.result import Result, Signal
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
-from orchestrator.system import System
+from orchestrator.system import Component, System
 
+LATE = Path(__file__).parents[2] / "fmus" / "small_models" / "late.py"
 MAIN = {  # a scenario of each study, what its members differ in, by how much
     "ball_screw_pole_placement/mc_ppc_track_500": ("plant", "m_2", 0.379e-3),
     "cascade_nppi/np_pi_0_7hz": ("controller", "k_p", 0.006607),
@@ -135,3 +137,21 @@ def test_members_out_of_bounds_are_named_without_touching_others() -> None:
     assert "the FMU allows at least" in str(bad.failure)
     assert good.failure is None
     assert last.failure is None
+
+
+def test_a_negative_dead_time_without_a_bound_is_refused_in_a_lane(
+    tmp_path: Path,
+) -> None:
+    unbounded = LATE.read_text().replace('"dead time", min=0', '"dead time"')
+    (tmp_path / "unbounded.py").write_text(unbounded)
+    file = build(str(tmp_path / "unbounded.py"))
+    late = Component("late", file, Fraction(1, 1000), start={"u": 1.0})
+    rows = {"late.y": (Fraction(1, 1000),)}
+    lanes = Lanes(
+        plan(System("t", Fraction(1, 100), {"late": late}, {}, rows)),
+        frozenset(rows),
+        4,
+    )
+    good, bad = lanes.run([{"late": {"tau": tau}} for tau in (1e-3, -1e-3)])
+    assert good.failure is None
+    assert "cannot be negative" in str(bad.failure)
