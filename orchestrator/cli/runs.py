@@ -98,7 +98,13 @@ def _state(entry: "Entry") -> str:
 
 
 def _figures(told: Mapping[str, Any]) -> str:
-    """Return the first figures of a run, the verdicts of a reproduction."""
+    """Return the first figures of a run, the verdicts of a reproduction, the members
+    of a sweep."""
+    if "members" in told:
+        met = told["yield"]
+        share = [] if met is None else [f"yield {100 * met:.4g} %"]
+        counted = f"{told['members']} members", f"{told['failed']} failed"
+        return ", ".join([*counted, *share])
     if "figures" in told:
         counts: dict[str, int] = {}
         for figure in told["figures"]:

@@ -184,6 +184,9 @@ def test_the_command_prints_its_interface(
     table = pq.read_table(told["figures"])
     assert table.schema.field("tracking.peak").metadata[b"unit"] == b"um"
     assert "tracking.peak" in (Path(told["result"]) / "report.html").read_text()
+    listed = CliRunner().invoke(app, ["runs"])
+    assert listed.exit_code == 0, listed.output
+    assert "2 members, 0 failed, yield 50 %" in listed.stdout
     for wrong in (
         ["--vary", "plant.m_2=1:2"],
         ["--vary", "plnt.m_2=1,2"],

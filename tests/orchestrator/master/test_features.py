@@ -103,6 +103,25 @@ def python_fmu() -> System:
     return system("1/100", parts, {}, {"pi.u": "1/1000", "a.k": "1/1000"})
 
 
+def unsplit() -> System:
+    plant = part("plant", "integrator", "1/250", split=False)
+    parts = [part("source", "counter", "1/1000"), plant]
+    wires = {"plant.u": "source.rate"}
+    return system("1/125", parts, wires, {"plant.y": "1/250"})
+
+
+def words(folder: Path) -> System:
+    here, step = Isolation(process=False), Fraction(1, 1000)
+    file = foreign(3, folder)
+    one, two = (Component(n, file, step, isolation=here) for n in ("one", "two"))
+    return system(
+        "1/100",
+        [part("a", "counter", "1/1000"), one, two],
+        {"two.in_Int64": "one.out_Int64"},
+        {"two.out_Int64": "1/1000", "a.k": "1/1000"},
+    )
+
+
 FEATURES: dict[str, Callable[[Path], System]] = {
     "several rates": lambda _: system(
         "1/100",
@@ -119,6 +138,8 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "initial circle by substitution": lambda _: circle(0.5),
     "initial circle by Newton": lambda _: circle(2.0),
     "FMI 3 clock": lambda _: clocked(),
+    "step not split (split = false)": lambda _: unsplit(),
+    "64-bit integers": words,
     "FMU of others": alien,
     "FMU in a process of its own": apart,
     "Python FMU": lambda _: python_fmu(),
