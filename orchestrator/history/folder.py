@@ -80,7 +80,7 @@ def taken(
         else:
             place = RunFolder(_named(folder, overwrite, stack))
         (place.path / FORMAT_FILE).write_text(f"{FORMAT}\n", encoding="utf-8")
-        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        now = datetime.now(UTC).isoformat(timespec="microseconds")
         _write(place.path / BEGUN, {**asdict(begun), "begun": now})
         try:
             yield place
