@@ -34,6 +34,7 @@ from orchestrator.scenario.written import (
     parse_setting,
     parse_value,
 )
+from orchestrator.signals.recording import AtEnd, Interpolation
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
 _RESERVED = (
@@ -96,9 +97,19 @@ class ExperimentSpec(Strict):
 
 
 class ComponentSpec(Strict):
-    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times."""
+    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times.
 
-    fmu: str
+    Or the signals of a file, ``data``: ``interpolation`` between its rows, ``begin`` is
+    its time (s) at the start of the run, ``rate`` how far apart its rows are, exactly;
+    ``at_end`` its last values hold or the run ends.
+    """
+
+    fmu: str = ""
+    data: str | None = None
+    interpolation: Interpolation = "hold"
+    begin: Time = Fraction(0)
+    rate: Period | None = None
+    at_end: AtEnd | None = None
     step: Period | None = None
     offset: Time = Fraction(0)
     latency: int = Field(default=0, ge=0)
@@ -118,6 +129,17 @@ class ComponentSpec(Strict):
         if not isinstance(value, dict):
             return value
         return {k: {"name": v} if isinstance(v, str) else v for k, v in value.items()}
+
+    @model_validator(mode="after")
+    def _model_or_data(self) -> "ComponentSpec":
+        if bool(self.fmu) == (self.data is not None):
+            raise ValueError(
+                'give fmu = "...", a model, or data = "...", a file of signals'
+            )
+        of_data = {"interpolation", "begin", "rate", "at_end"} & self.model_fields_set
+        if self.fmu and of_data:
+            raise ValueError(f"{min(of_data)} is for data = a file of signals")
+        return self
 
     @model_validator(mode="after")
     def _each_value_once(self) -> "ComponentSpec":
