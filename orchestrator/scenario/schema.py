@@ -26,7 +26,13 @@ from pydantic import (
 
 from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import RateContext, named_period
-from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
+from orchestrator.evaluation.schema import (
+    Expectation,
+    Likeness,
+    MetricSpec,
+    Strict,
+    Window,
+)
 from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.scenario.written import (
     in_floats,
@@ -265,8 +271,14 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
+    expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("expect_like", mode="before")
+    @classmethod
+    def _folder_alone(cls, value: Any) -> Any:
+        return {"folder": value} if isinstance(value, str) else value
 
     @field_validator("rates", mode="wrap")
     @classmethod
@@ -323,6 +335,8 @@ class Specification(Strict):
                 _one_of(f"design.{name}.sets", "component", component, self.components)
         for name in self.tolerances:
             self._variable(f'tolerances."{name}"', name)
+        for name in self.expect_like.signals if self.expect_like else ():
+            self._variable(f'expect_like.signals."{name}"', name)
         for name in self.expect:
             metric_name = name.rpartition(".")[0]
             _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)
