@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from typer.testing import CliRunner
 
 from orchestrator.analysis import members
 from orchestrator.analysis.breaks import until_breaks
-from orchestrator.analysis.members import Group, Job
+from orchestrator.analysis.members import Job, Workers
 from orchestrator.analysis.sweep import MEMBERS, sweep
 from orchestrator.analysis.variations import Axis, Tolerance, grid, parse_axis, sample
 from orchestrator.cli import app
@@ -135,7 +136,9 @@ def test_foreign_fmus_stay_loaded_and_a_failing_member_is_named(
     heights = (1e-3, float("inf"), 3e-3)
     composition = compose(load_scenario(file), run_earlier)
     jobs = [Job(i, {"source": {"height": h}}) for i, h in enumerate(heights)]
-    first, second, third = Group(composition, 3).run(jobs)
+    with closing(Workers()) as workers:
+        found = list(workers(composition, 3).run(jobs))
+    first, second, third = sorted(found, key=lambda outcome: outcome.index)
     assert first.failure is None
     assert "finite" in str(second.failure)
     assert third.failure is None
