@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from itertools import islice
 from typing import TypeAlias
 
@@ -143,6 +144,7 @@ class Group:
         self.composition = composition
         self._workers = workers
         self._timetable = plan(composition.system)
+        self._own = cache(composition.parameter)
         spec = composition.scenario.spec
         self._signals = frozenset(
             s for m in spec.metrics.values() for s in m.signals().values()
@@ -197,7 +199,7 @@ class Group:
 
         def parameter(name: str) -> Quantity:
             component, variable = split_name(name)
-            own = self.composition.parameter(name)
+            own = self._own(name)
             given = job.values.get(component, {}).get(variable)
             if given is None or isinstance(given, tuple | str):
                 return own
