@@ -37,6 +37,7 @@ from orchestrator.master.simulate import plan
 from orchestrator.quantities.quantity import Quantity, parse_quantity
 from orchestrator.result import End, Recorded
 from orchestrator.scenario.compose import Composition
+from orchestrator.scenario.override import OF_COMPONENT
 from orchestrator.system import Value, split_name
 
 AHEAD = 3  # batches given to each core before one is taken back
@@ -236,7 +237,7 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
     component, variable = split_name(key)
     if component not in composition.system.components or not variable:
         return None
-    if variable in ("step", "offset", "latency", "fmu", "kind"):
+    if variable in OF_COMPONENT:
         return None
     variable = variable.removeprefix("parameters.").removeprefix("start.")
     part = composition.system.components[component]
