@@ -14,6 +14,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -237,10 +238,13 @@ def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     return wanted
 
 
+_version = cache(version)
+
+
 def _key(files: Mapping[str, Path], kind: FmuKind, *options: Any) -> str:
     """Return a fingerprint of everything an FMU is made from."""
     try:
-        tools = [f"{tool} {version(tool)}" for tool in TOOLS[kind]]
+        tools = [f"{tool} {_version(tool)}" for tool in TOOLS[kind]]
     except PackageNotFoundError as error:
         raise BuildError(
             f"{error.name} is needed to build a {kind} FMU and is not installed: "

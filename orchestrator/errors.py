@@ -49,6 +49,10 @@ class SimulationError(FeedDriveError):
     exit_code = 1
 
 
+class ProcessEnded(SimulationError):
+    """The process of an FMU ended before its run did."""
+
+
 class Interrupted(FeedDriveError):
     """A run was stopped by Ctrl-C after rows had been written; says where they are."""
 

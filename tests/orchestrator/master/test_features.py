@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from broken import ball, pack
 from foreign import foreign
+from outcomes import outcomes
 from systems import part, system
 
 from fmus.build import build
@@ -124,6 +126,23 @@ def unsplit() -> System:
     return system("1/125", parts, wires, {"plant.y": "1/250"})
 
 
+def ending(folder: Path) -> System:
+    step, here = Fraction(1, 1000), Isolation(process=False)
+    how = {"how": 1.0, "at": 0.004}  # asks to end behind a whole step
+    one = Component("one", outcomes(3, folder), step, parameters=how, isolation=here)
+    rows = {"one.t": "1/1000", "a.k": "1/1000"}
+    parts = [part("a", "counter", "1/1000"), one]
+    return system("1/100", parts, {"one.u": "a.k"}, rows)
+
+
+def falling(folder: Path) -> System:
+    here = Isolation(process=False)
+    file = pack("ball", ball(2), folder)
+    one = Component("ball", file, Fraction(1, 10), isolation=here)
+    rows = {"ball.bounces": "1/10", "ball.h": "1/10"}
+    return system("1", [part("a", "counter", "1/10"), one], {"ball.u": "a.k"}, rows)
+
+
 def words(folder: Path) -> System:
     here, step = Isolation(process=False), Fraction(1, 1000)
     file = foreign(3, folder)
@@ -158,6 +177,8 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "FMU in a process of its own": apart,
     "signals of a file": signals,
     "Python FMU": lambda _: python_fmu(),
+    "FMU that ends the run": ending,
+    "model exchange with state events": falling,
 }
 
 
