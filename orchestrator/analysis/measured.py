@@ -5,7 +5,8 @@ of what drives it, any other is what the model's is compared with, row by row.  
 scenario only what the compared signals depend on runs, from the first row on.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import FitError, ScenarioError, did_you_mean
+from orchestrator.master.loaded import Loaded
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
 from orchestrator.quantities.quantity import converter
@@ -50,15 +52,22 @@ class Measured:
         """Return the times of the rows (s) from the first one on."""
         return np.asarray(np.arange(self.rows) * float(self.period), dtype=np.float64)
 
-    def series(self) -> Series:
-        """Return what runs the system with other values, its FMUs kept loaded."""
-        return Series(plan(self.system), frozenset(self.compared))
+    @contextmanager
+    def series(self) -> Iterator[Series]:
+        """Give what runs the system with other values, its FMUs kept loaded."""
+        loaded = Loaded()
+        try:
+            yield Series(plan(self.system), frozenset(self.compared), loaded)
+        finally:
+            loaded.drop()
 
     def run(
         self, series: Series, values: Mapping[str, Mapping[str, Value]]
     ) -> dict[str, NDArray[np.float64]]:
         """Return the model's rows of what is compared."""
-        found = series.run(values)
+        found, ended = series.run(values)
+        if ended is not None:
+            raise FitError(f"a run was {ended}; a fit needs all rows")
         return {name: found[name].values for name in self.compared}
 
 
