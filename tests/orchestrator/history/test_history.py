@@ -30,7 +30,7 @@ parameters = { t_0 = 0 }
 force = { kind = "peak", of = "snap.d_2" }
 """
 STUDY = "ball_screw_pole_placement"
-ENDLESS = ["--set", "stop=1e5", "--set", "snap.step=1/1000"]
+ENDLESS = ["--set", "stop=1e4", "--set", "snap.step=1/1000"]
 
 
 @pytest.fixture
@@ -113,13 +113,13 @@ def test_runs_says_what_is_under_way_interrupted_and_killed(here: Path) -> None:
     states = {e.state for e in entries(RUNS)}
     assert states == {"interrupted", "killed"}
     for entry in entries(RUNS):
-        assert 0 < entry.reached < entry.stop == 1e5
+        assert 0 < entry.reached < entry.stop == 1e4
         rows = Result(entry.folder)["snap.d_2"]
         assert rows.time[-1] == entry.reached
     shown = feeddrive("runs").stdout
     assert "interrupted at" in shown
     assert "killed at" in shown
-    assert "stop=1e5, snap.step=1/1000" in shown
+    assert "stop=1e4, snap.step=1/1000" in shown
 
 
 def test_a_failed_run_keeps_its_first_error_and_its_rows(here: Path) -> None:
