@@ -12,8 +12,9 @@ import os
 import platform as host
 import shutil
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from fmus.preset import Value
     from fmus.subject import Fmi
 
-__all__ = ["BuildError", "FmuKind", "build", "build_c", "load_model"]
+__all__ = ["BuildError", "FmuKind", "build", "build_c", "build_made", "load_model"]
 
 LOG = logging.getLogger("feeddrive")
 DIGEST = "sha256"  # file beside an FMU in the cache
@@ -96,6 +97,35 @@ def build(
     if folder is None:
         return fmu
     return _copy(fmu, folder)
+
+
+def build_made(
+    name: str,
+    contents: Callable[[Sequence[str], Path], Mapping[str, bytes]],
+    told: object,
+    *,
+    fmi: "Fmi" = 2,
+    platforms: Sequence[str] | None = None,
+    folder: Path | None = None,
+) -> Path:
+    """Return the native FMU of what is no model module, from the cache if it is there.
+
+    ``told`` is all that decides what is in it; ``contents(platforms, libraries)``
+    returns its files by archive name.  The rest is as for ``build``.
+
+    Raises:
+        BuildError, OSError: as ``build``.
+    """
+    _check_options("native", fmi, None)
+    wanted = None if platforms is None else _named(platforms)
+    here = (host.system(), host.machine())
+    key = _key({}, "native", fmi, told, here if wanted is None else wanted)
+    place = cache_folder() / "fmus" / f"{name}-native{fmi}-{key}"
+    fmu = _kept(place)
+    if fmu is None:
+        found = contents(_platforms("native", wanted), cache_folder() / "libraries")
+        fmu = _keep(found, f"{name}.fmu", place)
+    return fmu if folder is None else _copy(fmu, folder)
 
 
 def _kept(place: Path) -> Path | None:
@@ -208,10 +238,13 @@ def _platforms(kind: FmuKind, wanted: tuple[str, ...] | None) -> tuple[str, ...]
     return wanted
 
 
+_version = cache(version)
+
+
 def _key(files: Mapping[str, Path], kind: FmuKind, *options: Any) -> str:
     """Return a fingerprint of everything an FMU is made from."""
     try:
-        tools = [f"{tool} {version(tool)}" for tool in TOOLS[kind]]
+        tools = [f"{tool} {_version(tool)}" for tool in TOOLS[kind]]
     except PackageNotFoundError as error:
         raise BuildError(
             f"{error.name} is needed to build a {kind} FMU and is not installed: "

@@ -11,6 +11,7 @@ statements are not seen.  Data files that these modules read by
 import ast
 import sys
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from hashlib import sha256
 from importlib.machinery import PathFinder
 from pathlib import Path, PurePosixPath
@@ -18,6 +19,7 @@ from pathlib import Path, PurePosixPath
 from fmus.own import HOME, OWN_PACKAGES
 
 READ_DATA = "read_data"  # the one function of fmus by which models read files
+REMEMBERED = 4096  # sources whose syntax tree is not walked again
 
 
 class NoSuchModule(LookupError):
@@ -140,24 +142,37 @@ def _parents(name: str) -> Iterator[str]:
         yield name
 
 
-def _imports(name: str, file: Path) -> Iterator[str]:
-    """Yield every name that an import statement of a file might load."""
+def _imports(name: str, file: Path) -> tuple[str, ...]:
+    """Return every name that an import statement of a file might load."""
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
+    return _imported(package, str(file), file.read_bytes())
+
+
+@lru_cache(REMEMBERED)
+def _imported(package: str, file: str, content: bytes) -> tuple[str, ...]:
+    names: list[str] = []
+    for node in ast.walk(ast.parse(content, file)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            names.extend(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             if node.level:
                 above = package.split(".")[: len(package.split(".")) - node.level + 1]
                 base = ".".join([*above, base] if base else above)
-            yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names)
+            names.append(base)
+            names.extend(f"{base}.{alias.name}" for alias in node.names)
+    return tuple(names)
 
 
-def _data_names(file: Path) -> Iterator[str]:
-    """Yield the names of the files that a module reads by ``read_data``."""
-    for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
+def _data_names(file: Path) -> tuple[str, ...]:
+    """Return the names of the files that a module reads by ``read_data``."""
+    return _data_named(str(file), file.read_bytes())
+
+
+@lru_cache(REMEMBERED)
+def _data_named(file: str, content: bytes) -> tuple[str, ...]:
+    found: list[str] = []
+    for node in ast.walk(ast.parse(content, file)):
         if not isinstance(node, ast.Call) or _called(node) != READ_DATA:
             continue
         match node:
@@ -165,12 +180,13 @@ def _data_names(file: Path) -> Iterator[str]:
                 args=[ast.Name(id="__file__"), ast.Constant(value=str(data))],
                 keywords=[],
             ) if _below(data):
-                yield data
+                found.append(data)
             case _:
                 raise DataUnclear(
                     f"{file}:{node.lineno}: write the file out, as in "
                     f'{READ_DATA}(__file__, "table.json"), beside the module or below'
                 )
+    return tuple(found)
 
 
 def _called(node: ast.Call) -> str | None:

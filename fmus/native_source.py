@@ -40,7 +40,7 @@ QUIET = """\
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 """
 # in the order of model.h; what a model does not have is 0
-EQUATIONS = ("prepare", "step", "derivative", "output", "advance", "tangent")
+EQUATIONS = ("prepare", "step", "derivative", "output", "advance", "tangent", "open")
 POOL = """\
 #ifdef FEEDDRIVE_INSTANCES
 #include "component.h"
@@ -68,8 +68,12 @@ def native_sources(
     identifier: str,
     token: str,
     clock: bool = True,
+    written: str = "",
 ) -> dict[str, str]:
     """Return the generated C files by name: equations and data of one model.
+
+    ``written`` is C that has ``written_prepare``, ``written_step`` and
+    ``written_open`` in place of the traced equations.
 
     ``token`` is what an importer must show to instantiate it (FMI 2: guid);
     without ``clock`` a sampled model has no event mode.
@@ -77,23 +81,34 @@ def native_sources(
     Raises:
         ValueError: a delay names no input or parameter, or their sizes differ.
     """
-    from fmus.tangent import tangent
-    from fmus.trace import c_code
-
-    direction = tangent(model, traced)
-    functions = [*traced.functions.values(), *([direction] if direction else [])]
-    names = {function.name() for function in functions}
-    work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
-    told = {name: name if name in names else "0" for name in EQUATIONS}
+    told = dict.fromkeys(EQUATIONS, "0")
+    if written:
+        work = {"sz_arg": 5, "sz_res": 2, "sz_iw": 0, "sz_w": 0}
+        told |= {name: f"written_{name}" for name in ("prepare", "step", "open")}
+        code = f'#include "model.h"\n\n{written}'
+    else:
+        code, work, found = _traced(model, traced)
+        told |= {name: name for name in found}
     parts = [
         QUIET,
-        c_code(model, functions),
-        '#include "model.h"\n',
+        code,
         *_tables(model, layout),
         _model(model, traced, layout, identifier, token, clock, work, told),
         _pool(model, traced, layout, work),
     ]
     return {MODEL_DATA: "\n".join(parts)}
+
+
+def _traced(model: Model, traced: "Traced") -> tuple[str, dict[str, int], list[str]]:
+    """Return C of the traced equations, the sizes of their work, their names."""
+    from fmus.tangent import tangent
+    from fmus.trace import c_code
+
+    direction = tangent(model, traced)
+    functions = [*traced.functions.values(), *([direction] if direction else [])]
+    work = {f"sz_{of}": max(getattr(f, f"sz_{of}")() for f in functions) for of in WORK}
+    code = c_code(model, functions) + '\n#include "model.h"\n'
+    return code, work, [function.name() for function in functions]
 
 
 def _tables(model: Model, layout: Layout) -> list[str]:

@@ -96,12 +96,15 @@ def native_contents(
     model, traced, places = subject.model, subject.traced, subject.layout
     adapters = adapter_sources()
     parts = (model, traced, places, model.name)
-    untold = native_sources(*parts, "", subject.clock) | adapters
+    written = (subject.clock, subject.equations)
+    untold = native_sources(*parts, "", *written) | adapters
     subject = replace(subject, sources=(ALL,))
     described = [_described(subject, version, "") for version in (2, 3)]
-    token = _token(described, {n: text.encode() for n, text in untold.items()})
-    generated = native_sources(*parts, token, subject.clock)
-    contents = _common(subject, fmi, token)
+    resources = dict(subject.resources)
+    files = {n: text.encode() for n, text in untold.items()} | resources
+    token = _token(described, files)
+    generated = native_sources(*parts, token, *written)
+    contents = _common(subject, fmi, token) | resources
     for name, text in (generated | adapters).items():
         contents[f"sources/{name}"] = text.encode()
     contents |= {f"sources/{place}": file for place, file in subject.data.items()}

@@ -22,7 +22,9 @@ class Subject:
     ``text`` is the docstring of the module; ``sources`` are the C files to be
     compiled, none for an FMU that runs Python; ``data`` the content of the model's
     data files by path.  ``author``, ``copyright`` and
-    ``license`` may be None.  Without ``clock`` a sampled model has none in FMI 3.
+    ``license`` may be None.  ``resources`` are files of the archive that the C in
+    ``equations`` reads, which stands for the traced equations.  Without ``clock`` a
+    sampled model has none in FMI 3.
     """
 
     model: Model
@@ -36,6 +38,8 @@ class Subject:
     copyright: str | None = None
     license: str | None = None
     clock: bool = True
+    equations: str = ""
+    resources: Mapping[str, bytes] = field(default_factory=dict)
 
     @property
     def clocked(self) -> bool:

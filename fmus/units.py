@@ -10,7 +10,7 @@ factor * v + offset in its base units (FMI 2.0.5 section 2.2.2; FMI 3.0.2 sectio
 
 import re
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
@@ -54,9 +54,7 @@ class BaseUnit:
     @property
     def exponents(self) -> dict[str, int]:
         """The exponents that are not zero, by base unit, in the order of FMI."""
-        numbers = zip(fields(self), astuple(self), strict=True)
-        named = {field.name: number for field, number in numbers}
-        return {name: named[name] for name in BASE if named[name]}
+        return {name: n for name in BASE if (n := getattr(self, name))}
 
     @property
     def dimension(self) -> str:

@@ -39,10 +39,18 @@ class DesignError(FeedDriveError):
     """An offline design step could not be carried out."""
 
 
+class FitError(FeedDriveError):
+    """Measured data and a scenario do not make a fit."""
+
+
 class SimulationError(FeedDriveError):
     """A run failed after it had begun; what was recorded stays readable."""
 
     exit_code = 1
+
+
+class ProcessEnded(SimulationError):
+    """The process of an FMU ended before its run did."""
 
 
 class Interrupted(FeedDriveError):

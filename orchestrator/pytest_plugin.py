@@ -1,11 +1,12 @@
 """Pytest plugin ``feeddrive``: compositions of FMUs under test.
 
-A ``.toml`` scenario with ``[expect]`` in a test folder is one test: it is run, and
-fails with every expectation not met: value, bound, where it was worst, and the
-report.  Bases (``_name.toml``) and lock files are left alone unless they are
-named on the command line.  The fixtures ``build_fmu``, ``load_fmu``,
-``compose_scenario`` and ``run_scenario`` do the same from Python;
-``assert_fmu_conforms`` holds an FMU against the standard.
+A ``.toml`` scenario with ``[expect]`` or ``expect_like`` in a test folder is one test:
+it is run, and fails with every expectation not met: value, bound, where it was worst,
+and the report.  ``--feeddrive-update`` writes the signals that later runs are to be
+like.  Bases (``_name.toml``) and lock files are left alone unless they are named on
+the command line.  The fixtures ``build_fmu``, ``load_fmu``, ``compose_scenario`` and
+``run_scenario`` do the same from Python; ``assert_fmu_conforms`` holds an FMU against
+the standard.
 
 Nothing of feeddrive is imported before a scenario is found or a fixture asked
 for.
@@ -33,6 +34,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--feeddrive-runs",
         metavar="DIR",
         help="keep the folders of scenario runs here (default: pytest's temporary)",
+    )
+    group.addoption(
+        "--feeddrive-update",
+        action="store_true",
+        help="write the signals of scenarios with expect_like as their baselines",
     )
 
 
@@ -63,6 +69,8 @@ def _expects(file: Path, heirs: tuple[Path, ...]) -> bool:
         return False
     if isinstance(expect := tables.get("expect"), dict) and any(expect.values()):
         return True
+    if tables.get("expect_like"):
+        return True
     names = [bases] if isinstance(bases, str) else bases
     above = [file.parent / str(name) for name in names if isinstance(names, list)]
     return any(_expects(base, (*heirs, file)) for base in above if base not in heirs)
@@ -86,6 +94,10 @@ class ScenarioTest(pytest.Item):
         from orchestrator.session import run
 
         done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
+        from orchestrator.evaluation.baseline import update
+
+        if self.config.getoption("--feeddrive-update"):
+            update(done.scenario.file, done.scenario.spec.expect_like, done)
         if text := unmet(done):
             raise ExpectationsNotMet(text)
 
@@ -109,6 +121,7 @@ def unmet(done: "Run") -> str:
 
     A run that diverged says so first.
     """
+    from orchestrator.evaluation.baseline import unlike
     from orchestrator.evaluation.worst import worst_stretch
 
     spec = done.scenario.spec
@@ -121,6 +134,7 @@ def unmet(done: "Run") -> str:
         parameter = done.composition.parameter
         worst = worst_stretch(check.figure, metric, expected, done, parameter)
         lines.append(f"{check.text}\n    {worst}")
+    lines += unlike(done.scenario.file, spec.expect_like, done)
     if lines:
         lines.append(f"report: {(done.folder / 'report.html').absolute()}")
     return "\n".join(lines)

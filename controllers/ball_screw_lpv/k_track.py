@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.ball_screw_lpv._table import period, run, system
+from controllers._scheduled import period, run, system
 from fmus.data import read_data
 from fmus.model import FloatArray, Sampled, Var
 

@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from controllers.ball_screw_lpv._table import period, run, system
+from controllers._scheduled import period, run, system
 from controllers.ball_screw_lpv.k_track import Input, Output
 from fmus.data import read_data
 from fmus.model import FloatArray, Sampled, Var

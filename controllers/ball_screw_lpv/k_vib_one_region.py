@@ -11,12 +11,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from controllers._scheduled import period, run
 from controllers.ball_screw_lpv._table import (
     Slopes,
     TableOfMass,
     at_mass,
-    period,
-    run,
     table_of_mass,
 )
 from controllers.ball_screw_lpv._table import prepare as slopes_of

@@ -8,10 +8,9 @@ Source: Hanifzadegan 2014, sec. 5.1.1 and 5.2.1 (0 to 270 and 250 to 600 mm).
 """
 
 from fractions import Fraction
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
-
+from controllers import _scheduled
 from fmus.model import Sampled, Var
 
 
@@ -34,9 +33,7 @@ class Parameters(NamedTuple):
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     """Return the region of this sample."""
-    first = np.logical_or(x.region < 1.5, u.x_c <= p.x_21)
-    held: Any = np.where(first, 1.0, 2.0)
-    region: Any = np.where(u.x_c >= p.x_12, 2.0, held)
+    region = _scheduled.region(x.region, u.x_c, p.x_12, p.x_21)
     return State(region), Output(region)
 
 

@@ -93,6 +93,16 @@ Component *component_new(const char *name, const char *token, int model_exchange
     return c;
 }
 
+Component *component_opened(Component *c, const char *resources) {
+    const char *why = c && M.open ? M.open(resources) : NULL;
+    if (!why)
+        return c;
+    c->logging = 1;
+    component_refuse(c, "%s is not instantiated: %s", M.identifier, why);
+    component_free(c);
+    return NULL;
+}
+
 void component_free(Component *c) {
     if (!c)
         return;

@@ -46,6 +46,9 @@ struct Component {
 Component *component_new(const char *name, const char *token, int model_exchange,
                          int logging, Log *log, void (*callback)(void),
                          void *environment);
+/* Let the model read what it needs from the folder of resources (URI or path);
+   free the component and return NULL with a message if it cannot. */
+Component *component_opened(Component *c, const char *resources);
 void component_free(Component *c);
 
 #if defined(__GNUC__)

@@ -39,10 +39,11 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType,
                               fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
-    return component_new(instanceName, fmuGUID, fmuType == fmi2ModelExchange,
-                         loggingOn, fmi2_log,
-                         functions ? (void (*)(void))functions->logger : NULL,
-                         functions ? functions->componentEnvironment : NULL);
+    return component_opened(
+        component_new(instanceName, fmuGUID, fmuType == fmi2ModelExchange, loggingOn,
+                      fmi2_log, functions ? (void (*)(void))functions->logger : NULL,
+                      functions ? functions->componentEnvironment : NULL),
+        fmuResourceLocation);
 }
 
 void fmi2FreeInstance(fmi2Component c) {

@@ -33,8 +33,10 @@ fmi3Instance fmi3InstantiateCoSimulation(
     size_t nRequiredIntermediateVariables,
     fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
     fmi3IntermediateUpdateCallback intermediateUpdate) {
-    Component *c = component_new(instanceName, instantiationToken, 0, 1, fmi3_log,
-                                 (void (*)(void))logMessage, instanceEnvironment);
+    Component *c = component_opened(
+        component_new(instanceName, instantiationToken, 0, 1, fmi3_log,
+                      (void (*)(void))logMessage, instanceEnvironment),
+        resourcePath);
     if (!c)
         return NULL;
     if ((eventModeUsed && !feeddrive_model.clock) ||

@@ -21,6 +21,9 @@
 typedef int Equation(const double **arg, double **res, long long *iw,
                      double *w, int mem);
 
+/* Read what the model needs from its resources; return why not, or NULL. */
+typedef const char *Open(const char *resources);
+
 typedef enum { PARAMETER, INPUT, OUTPUT, STATE, DERIVATIVE, PERIOD, TIME } Block;
 
 typedef struct {
@@ -53,6 +56,7 @@ typedef struct {
     const Delay *delays;
     unsigned n_delays;
     Equation *prepare, *step, *derivative, *output, *advance, *tangent;
+    Open *open; /* or NULL */
     unsigned sz_arg, sz_res, sz_iw, sz_w; /* work vectors of the equations */
 } Model;
 

@@ -32,6 +32,7 @@
 #define component_may_set             OWN(component_may_set)
 #define component_move                OWN(component_move)
 #define component_new                 OWN(component_new)
+#define component_opened              OWN(component_opened)
 #define component_no_type             OWN(component_no_type)
 #define component_refuse              OWN(component_refuse)
 #define component_reserve             OWN(component_reserve)

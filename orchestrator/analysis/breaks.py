@@ -1,10 +1,11 @@
 """How far one value may go before the first expectation fails: bisection."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator.analysis.members import Group, Job, Outcome, split
+from orchestrator.analysis.members import Group, Job, Outcome, Workers, split
 from orchestrator.errors import ScenarioError
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
@@ -47,18 +48,21 @@ def until_breaks(
     nominal = composition.parameter(key).value
     if nominal == 0:
         raise ScenarioError(f"--until-breaks {key}: is 0; give --vary a range instead")
-    group = Group(composition)
+    with closing(Workers()) as workers:
+        return nominal, _both_ways(workers(composition, 1), key, nominal)
 
+
+def _both_ways(group: Group, key: str, nominal: float) -> list[Break]:
     def outcomes(values: Sequence[float]) -> list[Outcome]:
         jobs = []
         for i, value in enumerate(values):
-            numbers, more = split(composition, {key: value})
+            numbers, more = split(group.composition, {key: value})
             if more:
                 raise ScenarioError(
                     f"--until-breaks {key}: is no real number of a component"
                 )
             jobs.append(Job(i, numbers))
-        return list(group.run(jobs))
+        return sorted(group.run(jobs), key=lambda outcome: outcome.index)
 
     (first,) = outcomes([nominal])
     if not first.met:
@@ -71,7 +75,7 @@ def until_breaks(
         ("up", [2.0**i for i in range(1, 11)]),
     ):
         found.append(_bisected(direction, nominal, factors, outcomes))
-    return nominal, found
+    return found
 
 
 def _bisected(

@@ -6,6 +6,7 @@ and its batches are done again; a batch that kills its worker each time is split
 and the member that does so alone is failed.
 """
 
+import atexit
 import hashlib
 import io
 import zipfile
@@ -15,7 +16,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-from orchestrator.analysis.members import Group, Job, Outcome
+from orchestrator.analysis.members import Group, Job, Outcome, Workers
 from orchestrator.errors import ScenarioError
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
@@ -129,4 +130,11 @@ def _group(digest: str, content: _Content, count: int) -> Group:
     folder = Path(mkdtemp(prefix=f"feeddrive-{digest[:12]}-"))
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         archive.extractall(folder)
-    return Group(compose(load_scenario(folder / LOCK), run_earlier), count)
+    return _workers()(compose(load_scenario(folder / LOCK), run_earlier), count)
+
+
+@cache
+def _workers() -> Workers:
+    workers = Workers()
+    atexit.register(workers.close)
+    return workers

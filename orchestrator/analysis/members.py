@@ -3,28 +3,41 @@
 Members whose settings change more than parameters and start values (rates,
 latencies, FMUs, designs, the stop) have a composition of their own; the others
 share one.  A composition whose FMUs are all ours runs in lanes on all cores;
-any other in processes and libraries that stay loaded, one per core.  A design is
-told the nominal values, whatever is varied, unless ``design.*`` itself is.
+any other in processes and libraries that stay loaded, one per core, from one
+composition to the next.  An FMU whose process ends is loaded again and the member
+repeated once: then it has failed.  A design is told the nominal values, whatever is
+varied, unless ``design.*`` itself is.
 """
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from itertools import islice
+from typing import TypeAlias
 
 from fmus.compile import CompileError
 from orchestrator.analysis.variations import Assignment, Setting
-from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
+from orchestrator.errors import (
+    FeedDriveError,
+    ProcessEnded,
+    ScenarioError,
+    SimulationError,
+)
+from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import Check, check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.master.fused.lanes import Lanes
+from orchestrator.master.loaded import Loaded
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
 from orchestrator.quantities.quantity import Quantity, parse_quantity
-from orchestrator.result import Recorded
+from orchestrator.result import End, Recorded
 from orchestrator.scenario.compose import Composition
+from orchestrator.scenario.override import OF_COMPONENT
 from orchestrator.system import Value, split_name
 
 AHEAD = 3  # batches given to each core before one is taken back
@@ -34,7 +47,10 @@ MANY = 32  # members from which on the seconds of compiling lanes are won back
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a member: its figures and checks, or why there are none."""
+    """What came of a member: its figures and checks, or why it failed.
+
+    One that diverged has failed, and figures.
+    """
 
     index: int
     figures: Mapping[str, Quantity]
@@ -53,6 +69,10 @@ class Job:
 
     index: int
     values: Mapping[str, Mapping[str, Value]]
+
+
+Work: TypeAlias = Callable[[Sequence[Job]], list[Outcome]]
+Outcomes: TypeAlias = Iterator[Outcome]
 
 
 def lanes_here() -> int:
@@ -75,12 +95,57 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
 
 
+class Workers:
+    """The cores of this machine, each with FMUs that it keeps loaded."""
+
+    def __init__(self) -> None:
+        self._pool = ThreadPoolExecutor(cores())
+        self._mine = threading.local()
+        self._all: list[Loaded] = []
+
+    @property
+    def loaded(self) -> Loaded:
+        """The FMUs of the core that asks."""
+        if not hasattr(self._mine, "loaded"):
+            self._mine.loaded = Loaded()
+            self._all.append(self._mine.loaded)
+        found: Loaded = self._mine.loaded
+        return found
+
+    def carry_out(self, work: Work, batches: Iterable[Sequence[Job]]) -> Outcomes:
+        """Yield what comes of batches of jobs, as it comes."""
+        left = iter(batches)
+        waiting = {self._pool.submit(work, b) for b in islice(left, AHEAD * cores())}
+        try:
+            while waiting:
+                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in done:
+                    for batch in islice(left, 1):
+                        waiting.add(self._pool.submit(work, batch))
+                    yield from future.result()
+        finally:
+            for future in waiting:
+                future.cancel()
+
+    def close(self) -> None:
+        """Free all FMUs."""
+        self._pool.shutdown(cancel_futures=True)
+        for loaded in self._all:
+            loaded.drop()
+
+    def __call__(self, composition: Composition, count: int) -> "Group":
+        """Return the runner of a composition's members."""
+        return Group(composition, count, self)
+
+
 class Group:
     """Members of one composition, of which ``count`` are to come."""
 
-    def __init__(self, composition: Composition, count: int = 1) -> None:
+    def __init__(self, composition: Composition, count: int, workers: Workers) -> None:
         self.composition = composition
+        self._workers = workers
         self._timetable = plan(composition.system)
+        self._own = cache(composition.parameter)
         spec = composition.scenario.spec
         self._signals = frozenset(
             s for m in spec.metrics.values() for s in m.signals().values()
@@ -91,23 +156,14 @@ class Group:
                 self._lanes = Lanes(self._timetable, self._signals, lanes_here())
                 self.executor = "lanes"
 
-    def run(self, jobs: Sequence[Job]) -> Iterator[Outcome]:
-        """Yield the outcome of every job, in order."""
-        work = self._in_lanes if self.executor == "lanes" else self._loaded
-        size = 2 * lanes_here() if self.executor == "lanes" else SMALL
-        batches = iter([jobs[i : i + size] for i in range(0, len(jobs), size)])
-        with ThreadPoolExecutor(cores()) as pool:
-            waiting: list[Future[list[Outcome]]] = []
-            try:
-                for batch in islice(batches, AHEAD * cores()):
-                    waiting.append(pool.submit(work, batch))
-                while waiting:
-                    yield from waiting.pop(0).result()
-                    for batch in islice(batches, 1):
-                        waiting.append(pool.submit(work, batch))
-            finally:
-                for future in waiting:
-                    future.cancel()
+    def run(self, jobs: Sequence[Job]) -> Outcomes:
+        """Yield the outcome of every job, as it comes."""
+        work: Work = self._loaded
+        size = min(SMALL, -(-len(jobs) // cores()))
+        if self.executor == "lanes":
+            work, size = self._in_lanes, 2 * lanes_here()
+        batches = (jobs[i : i + size] for i in range(0, len(jobs), size))
+        yield from self._workers.carry_out(work, batches)
 
     def _in_lanes(self, jobs: Sequence[Job]) -> list[Outcome]:
         members = self._lanes.run([job.values for job in jobs])
@@ -120,33 +176,41 @@ class Group:
                 found.append(Outcome(job.index, {}, failure=str(member.failure)))
             else:
                 found.append(self._evaluated(job, member.signals))
-        found += self._loaded(alone) if alone else []
-        return sorted(found, key=lambda outcome: outcome.index)
+        return found + self._loaded(alone)
 
     def _loaded(self, jobs: Sequence[Job]) -> list[Outcome]:
+        loaded = self._workers.loaded
+        series = Series(self._timetable, self._signals, loaded)
         found = []
-        with Series(self._timetable, self._signals) as series:
-            for job in jobs:
+        for job in jobs:
+            try:
                 try:
-                    found.append(self._evaluated(job, series.run(job.values)))
-                except FeedDriveError as error:
-                    found.append(Outcome(job.index, {}, failure=str(error)))
+                    signals, ended = series.run(job.values)
+                except ProcessEnded:  # killed from outside, or it would do so again
+                    signals, ended = series.run(job.values)
+                found.append(self._evaluated(job, signals, ended))
+            except FeedDriveError as error:
+                found.append(Outcome(job.index, {}, failure=str(error)))
         return found
 
-    def _evaluated(self, job: Job, signals: Recorded) -> Outcome:
+    def _evaluated(
+        self, job: Job, signals: Recorded, ended: End | None = None
+    ) -> Outcome:
         spec = self.composition.scenario.spec
 
         def parameter(name: str) -> Quantity:
             component, variable = split_name(name)
-            own = self.composition.parameter(name)
+            own = self._own(name)
             given = job.values.get(component, {}).get(variable)
             if given is None or isinstance(given, tuple | str):
                 return own
             return Quantity(float(given), own.unit)
 
         try:
-            figures = evaluate(spec.metrics, signals, parameter)
-            return Outcome(job.index, figures, check(spec.expect, figures))
+            figures = evaluate(spec.metrics, signals, parameter, ended)
+            diverged = divergence(spec.metrics, signals, parameter)
+            checks = check(spec.expect, figures)
+            return Outcome(job.index, figures, checks, diverged)
         except FeedDriveError as error:
             return Outcome(job.index, {}, failure=str(error))
 
@@ -173,7 +237,7 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
     component, variable = split_name(key)
     if component not in composition.system.components or not variable:
         return None
-    if variable in ("step", "offset", "latency", "fmu", "kind"):
+    if variable in OF_COMPONENT:
         return None
     variable = variable.removeprefix("parameters.").removeprefix("start.")
     part = composition.system.components[component]

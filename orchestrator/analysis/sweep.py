@@ -7,14 +7,14 @@ interrupted one can be resumed; ``figures.parquet`` is made of them at the end.
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from orchestrator.analysis.members import Group, Job, Outcome, split
+from orchestrator.analysis.members import Job, Outcome, Workers, split
 from orchestrator.analysis.variations import Assignment, Axis, Setting, grid
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.quantities.quantity import NoValue
@@ -58,7 +58,7 @@ class Sweep:
 
     @property
     def failed(self) -> int:
-        """How many members have no figures."""
+        """How many members failed or diverged."""
         return sum(row["failure"] is not None for row in self.rows)
 
     @property
@@ -90,12 +90,13 @@ def sweep(
     sets: Sequence[str] = (),
     folder: Path | None = None,
     progress: Progress | None = None,
-    making: Making = Group,
+    making: Making | None = None,
 ) -> Sweep:
     """Carry out a scenario for every combination of axes, or for each assignment.
 
     ``sets`` hold for all members; ``folder`` keeps outcomes as they come and what
     stands in it already is not done again; ``progress`` is told how many are done.
+    ``making`` returns what carries out a composition's members, else this machine.
 
     Raises:
         FeedDriveError: the scenario, or a member's rates, latencies or FMUs, cannot
@@ -115,8 +116,9 @@ def sweep(
     rows: dict[int, dict[str, Any]] = dict(done)
     if progress:
         progress(len(rows))
-    with _Lines(folder) as lines:
-        for group, jobs in _groups(base, nominal, assignments, sets, rows, making):
+    with _Lines(folder) as lines, closing(Workers()) as workers:
+        where = making or workers
+        for group, jobs in _groups(base, nominal, assignments, sets, rows, where):
             executors.add(group.executor)
             for outcome in group.run(jobs):
                 row = _row(outcome, assignments[outcome.index])

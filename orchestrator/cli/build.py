@@ -25,6 +25,8 @@ class Order:
     platforms: list[str] | None
     clock: bool
     real: Any
+    interpolation: Any
+    rate: Fraction | None
 
 
 @command
@@ -34,7 +36,8 @@ def build(
         typer.Argument(
             metavar="[MODEL]...",
             help="plants.x, controllers.y, model.py, supplied.ball_screw, or "
-            "SCENARIO:component with the values it runs with there",
+            "SCENARIO:component with the values it runs with there, or signals.csv "
+            "(.parquet, .mat)",
         ),
     ] = None,
     all_: Annotated[bool, typer.Option("--all", help="build every model")] = False,
@@ -54,6 +57,12 @@ def build(
         typer.Option("--clock/--no-clock", help="input clock of sampled models, FMI 3"),
     ] = True,
     real: Annotated[str, typer.Option(help="double or float, of plain C")] = "double",
+    interpolation: Annotated[
+        str, typer.Option(help="hold or linear, between the rows of signals")
+    ] = "hold",
+    rate: Annotated[
+        str | None, typer.Option(help='how far apart the rows are, e.g. "10 kHz"')
+    ] = None,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -77,7 +86,10 @@ def build(
     both = all_ and kind == "native" and fmi is None
     versions: list[Any] = ["c"] if form == "c" else [2, 3] if both else [fmi or 2]
     chosen = list(PLATFORMS) if platform == ["all"] else platform
-    order = Order(kind, _period(period), chosen, clock, real)
+    if interpolation not in ("hold", "linear"):
+        raise ScenarioError(f"--interpolation {interpolation}: choose hold or linear")
+    played = (interpolation, _period(rate, "--rate"))
+    order = Order(kind, _period(period), chosen, clock, real, *played)
     output = output or Path("dist", "c" if form == "c" else "fmus")
     built = []
     for version in versions:
@@ -102,7 +114,7 @@ def build(
     print_table(["module", "form", ">size", ">time", "file"], rows)
 
 
-def _period(text: str | None) -> Fraction | None:
+def _period(text: str | None, option: str = "--period") -> Fraction | None:
     from orchestrator.errors import ScenarioError
 
     if text is None:
@@ -110,7 +122,7 @@ def _period(text: str | None) -> Fraction | None:
     try:
         return parse_period(text)
     except ValueError as error:
-        raise ScenarioError(f"--period: {error}") from None
+        raise ScenarioError(f"{option}: {error}") from None
 
 
 def _sampled(module: str) -> bool:
@@ -127,10 +139,13 @@ def _build(
     import fmus.build
     from orchestrator.cli.designed import designed
     from orchestrator.errors import ScenarioError
+    from orchestrator.signals.columns import FORMS
     from orchestrator.supplied import PREFIX, build_supplied
 
     begun = perf_counter()
     try:
+        if Path(name).suffix.lower() in FORMS:
+            return _signals(name, folder, fmi, order, begun)
         of = designed(name)
         if name.startswith(PREFIX):
             file = build_supplied(name, folder)
@@ -151,10 +166,30 @@ def _build(
             )
     except fmus.build.BuildError as error:
         raise ScenarioError(f"{name}: {error}") from None
+    return _told(name, file, fmi, order.kind, begun)
+
+
+def _signals(
+    name: str, folder: Path, fmi: Any, order: Order, begun: float
+) -> dict[str, Any]:
+    """Build the FMU of a file of signals."""
+    from orchestrator.errors import ScenarioError
+    from orchestrator.signals.recording import Recording, play
+
+    if fmi == "c" or order.kind != "native":
+        raise ScenarioError(f"{name}: signals of a file become a native FMU alone")
+    recording = Recording(
+        Path(name), order.period, order.interpolation, rate=order.rate
+    )
+    options = {"clock": order.clock, "platforms": order.platforms, "folder": folder}
+    return _told(name, play(recording, fmi=fmi, **options).fmu, fmi, "native", begun)
+
+
+def _told(name: str, file: Path, fmi: Any, kind: Any, begun: float) -> dict[str, Any]:
     files = [file] if file.is_file() else file.iterdir()
     return {
         "module": name,
-        "kind": "c" if fmi == "c" else order.kind,
+        "kind": "c" if fmi == "c" else kind,
         "fmi": None if fmi == "c" else fmi,
         "file": str(file),
         "bytes": sum(one.stat().st_size for one in files),

@@ -127,7 +127,6 @@ def _sweep(
     json: bool,
 ) -> None:
     from orchestrator.analysis.cluster import Cluster
-    from orchestrator.analysis.members import Group
     from orchestrator.analysis.sweep import FIGURES, sweep
     from orchestrator.analysis.variations import Axis, grid
     from orchestrator.history.folder import Begun, taken
@@ -151,7 +150,7 @@ def _sweep(
                 sets=sets,
                 folder=place.path,
                 progress=progress,
-                making=cluster or Group,
+                making=cluster,
             )
         spec = composition.scenario.spec
         write_swept(
@@ -179,9 +178,13 @@ def _sweep(
         cluster.close()
     if json:
         print_json(told)
-        return
-    _print(found)
-    typer.echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
+    else:
+        _print(found)
+        typer.echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
+    if found.failed:
+        total = len(found.rows)
+        typer.echo(f"{found.failed} of {total} members failed", err=True)
+        raise typer.Exit(1)
 
 
 def _go_on(name: str, folder: Path) -> None:

@@ -236,3 +236,36 @@ class Expectation(Strict):
         if self.below is None and self.above is None and self.near is None:
             raise ValueError("give below, above, or near and within")
         return self
+
+
+class Tolerance(Strict):
+    """How far a signal may be from its baseline.
+
+    ``absolute`` is in its unit, ``relative`` a share of the baseline's range, ``time``
+    in s, ``frequency`` a share of the dominant one.
+    """
+
+    absolute: float = Field(default=0.0, ge=0)
+    relative: float = Field(default=1e-6, ge=0)
+    time: Time = Fraction(0)
+    frequency: float = Field(default=0.01, ge=0)
+
+
+class Likeness(Tolerance):
+    """``expect_like``: the folder of baselines, and what is compared how.
+
+    Without ``signals`` all that the baseline holds is; a signal's own table replaces
+    the common tolerances that it names.
+    """
+
+    folder: str
+    signals: dict[str, Tolerance] = Field(default_factory=dict)
+
+    def of(self, name: str) -> Tolerance:
+        """Return the tolerances of a signal."""
+        common = {key: getattr(self, key) for key in Tolerance.model_fields}
+        own = self.signals.get(name)
+        given = (
+            {} if own is None else {k: getattr(own, k) for k in own.model_fields_set}
+        )
+        return Tolerance.model_construct(**{**common, **given})

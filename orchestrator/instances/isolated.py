@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.compile import CompileError
-from orchestrator.errors import SimulationError
+from orchestrator.errors import ProcessEnded, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.bundle import Bundle
@@ -296,7 +296,7 @@ class IsolatedInstance:
         self._failed = True
         if self._child.damaged:
             self._child.kill()
-            return SimulationError(
+            return ProcessEnded(
                 f"{self.name} ({self.description.path.name}): its process is damaged: "
                 f"what it sent during {request} is no answer; it is killed. "
                 f"{self._history()}"
@@ -308,7 +308,7 @@ class IsolatedInstance:
             remedy = f"; memory_limit is {self._isolation.memory_limit / 1e6:g} MB"
         elif code == -9:
             remedy = "; the system kills so when memory runs out"
-        return SimulationError(
+        return ProcessEnded(
             f"{self.name} ({self.description.path.name}): its process ended with {how} "
             f"during {request}{remedy}. {self._history()}"
         )

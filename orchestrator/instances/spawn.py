@@ -5,11 +5,14 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Lock
 from types import ModuleType
 from typing import Any
 
 from fmus.own import HOME, found_elsewhere
 from orchestrator.instances.descendants import marked
+
+_ONE = Lock()  # what a child inherits is changed for the whole process
 
 
 def spawn(mark: str, target: Callable[..., None], *arguments: Any) -> Any:
@@ -17,7 +20,7 @@ def spawn(mark: str, target: Callable[..., None], *arguments: Any) -> Any:
 
     It and what it starts have a mark (``descendants``).
     """
-    with _without_main(), _without_interrupts(), _at_home(), marked(mark):
+    with _ONE, _without_main(), _without_interrupts(), _at_home(), marked(mark):
         context = mp.get_context("spawn")
         child = context.Process(target=target, args=arguments, daemon=True)
         child.start()

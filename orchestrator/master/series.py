@@ -1,61 +1,47 @@
 """Many runs of one system, one after the other, its FMUs kept loaded.
 
-A member differs in the parameters and start values that are written; each FMU is
-instantiated again in the library and the process that it has.  One whose process
-has ended is opened anew.  Rows stay in memory.
+A member differs in the parameters and start values that are written.  After one that
+fails all FMUs are opened anew.  Rows stay in memory.
 """
 
 from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import replace
-from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.errors import SimulationError
+from orchestrator.errors import FeedDriveError
+from orchestrator.instances.ending import Ended
 from orchestrator.instances.protocol import Instance
-from orchestrator.master.apart import let_in
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.kernel import Kernel
 from orchestrator.master.layout import Column
+from orchestrator.master.loaded import Loaded
 from orchestrator.master.member import Values, timetable_with
 from orchestrator.master.recorder import CHUNK
-from orchestrator.master.simulate import Choice, open_instance
+from orchestrator.master.simulate import Choice
 from orchestrator.master.timetable import Timetable, table_name
-from orchestrator.result import Recorded, Signal
+from orchestrator.result import End, Recorded, Signal
 
 
 class Series:
-    """Runs members of a timetable's system; a context manager."""
+    """Runs members of a timetable's system on FMUs that are ``loaded``."""
 
     def __init__(
         self,
         timetable: Timetable,
         signals: frozenset[str],
+        loaded: Loaded,
         executor: Choice | None = None,
     ) -> None:
         self._timetable, self._signals = timetable, signals
-        self._executor = executor
-        self._stack = ExitStack()
-        self._instances: dict[str, Instance] | None = None
+        self._loaded, self._executor = loaded, executor
 
-    def __enter__(self) -> "Series":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._stack.close()
-
-    def run(self, values: Values) -> Recorded:
+    def run(self, values: Values) -> tuple[Recorded, End | None]:
         """Run a member whose components have these values besides their own.
+
+        Return its signals, and how an FMU ended it before its stop if one did.
 
         Raises:
             WiringError: a value names no variable, or does not fit it.
@@ -63,56 +49,41 @@ class Series:
         """
         timetable = timetable_with(self._timetable, values)
         wiring = timetable.wiring
-        if self._instances is None:
-            self._open(timetable)
-        assert self._instances is not None
         vector = np.zeros(wiring.size)
         kept = {
             table_name(period): Kept(columns, vector)
             for period, columns in wiring.tables.items()
         }
+        ended = None
         try:
-            initialise(wiring, self._instances, vector)
-            engine = self._engine(timetable, vector, kept)
-            for _ in engine.run():
-                pass
-        except SimulationError:
-            self._stack.close()  # a process may have ended: the next is opened anew
-            self._instances = None
+            instances = self._loaded.instances(timetable)
+            initialise(wiring, instances, vector)
+            try:
+                for _ in self._engine(timetable, instances, vector, kept).run():
+                    pass
+            except Ended as end:
+                ended = End(end.by, end.at, end.reason)
+        except FeedDriveError:
+            self._loaded.drop()  # a process may have ended: the next is opened anew
             raise
-        return Recorded(
-            {
-                period: dict(kept[table_name(period)].signals(self._signals))
-                for period in wiring.tables
-            }
-        )
-
-    def _open(self, timetable: Timetable) -> None:
-        shared: dict[Path, Path] = {}
-        strangers = let_in(timetable)  # a series has no child of its own for them
-        self._instances = {
-            name: open_instance(
-                *(name, part.fmu, self._stack),
-                replace(part.component.isolation, process=True)
-                if name in strangers
-                else part.component.isolation,
-                shared,
-            )
-            for name, part in timetable.wiring.parts.items()
+        tables = {
+            period: dict(kept[table_name(period)].signals(self._signals))
+            for period in wiring.tables
         }
+        return Recorded(tables), ended
 
     def _engine(
         self,
         timetable: Timetable,
+        instances: Mapping[str, Instance],
         vector: NDArray[np.float64],
         kept: Mapping[str, "Kept"],
     ) -> Any:
-        assert self._instances is not None
         tables: Any = kept
         if self._executor == "python":
             rows = {name: table.row for name, table in kept.items()}
-            return Executor(timetable, self._instances, vector, rows)
-        return Kernel(timetable, self._instances, vector, tables)
+            return Executor(timetable, instances, vector, rows)
+        return Kernel(timetable, instances, vector, tables)
 
 
 class Kept:

@@ -15,7 +15,7 @@ from orchestrator.quantities.quantity import Quantity
 HEIGHT = 420
 FAILED = "#d1495b"
 HELD = "#1f5fa8"
-_STYLE = (
+STYLE = (
     "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;"
     "padding:0 1rem;color:#222}h1{font-size:1.4rem}.bad{color:#d1495b}"
     "@media print{body{max-width:none}}"
@@ -45,7 +45,7 @@ def write_swept(
     body = f"<h1>{escape(name)}</h1>{told}{''.join(parts)}"
     path.write_text(
         f"<!doctype html><meta charset=utf-8><title>{escape(name)}</title>"
-        f"<style>{_STYLE}</style>{body}",
+        f"<style>{STYLE}</style>{body}",
         encoding="utf-8",
     )
     return path

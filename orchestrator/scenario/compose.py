@@ -7,7 +7,7 @@ scenario asks for; a sampled one with the component's ``step`` as sample time.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
@@ -56,7 +56,8 @@ class Composition:
     """A system ready to be simulated, and where its parts and values come from.
 
     ``sources`` says what each FMU was made of: a module, a model file or an
-    ``.fmu``; ``digests`` are SHA-256 of the FMU files; ``warnings`` are what its
+    ``.fmu``; ``digests`` are SHA-256 of the FMU files,
+    ``contents`` those of files of signals; ``warnings`` are what its
     user has to know of it, ``not_taken_over`` the scenario's values that a swapped
     component left, ``undriven`` the inputs that no connection drives.
     """
@@ -71,6 +72,7 @@ class Composition:
     not_taken_over: tuple[NotTakenOver, ...] = ()
     undriven: tuple[Undriven, ...] = ()
     warnings: tuple[str, ...] = ()
+    contents: Mapping[str, str] = field(default_factory=dict)
 
     def parameter(self, name: str) -> Quantity:
         """Return the value and unit of a scalar ``component.parameter``.
@@ -145,7 +147,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         components[name] = replace(own, parameters=rest, start=start)
     system = System(
         name=scenario.name,
-        stop=spec.stop,
+        stop=min([spec.stop, *(f.end for f in located.values() if f.end is not None)]),
         components=components,
         connections=connections,
         record=open_record(spec, components, fmus),
@@ -156,6 +158,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     sources = {name: found.source for name, found in located.items()}
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     both = actual, nominal
+    contents = {name: f.content for name, f in located.items() if f.content}
     return Composition(
         scenario,
         system,
@@ -166,6 +169,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
         both,
         tuple(left),
         undriven(system, fmus),
+        contents=contents,
     )
 
 

@@ -13,16 +13,24 @@ from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import ComponentSpec, Specification
+from orchestrator.signals.recording import Recording, play
 from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
+from orchestrator.warned import warn
 
 
 @dataclass(frozen=True)
 class Located:
-    """The FMU file of a component, what it was made of, and how often it steps."""
+    """The FMU file of a component, what it was made of, and how often it steps.
+
+    Signals of a file have the digest of that file, ``content``, and the run's time (s)
+    at which they ``end`` it, if they do.
+    """
 
     path: Path
     source: str
     period: Fraction
+    content: str = ""
+    end: Fraction | None = None
 
 
 def locate(
@@ -35,6 +43,8 @@ def locate(
         fmus.build.BuildError: the model cannot be built.
     """
     where = f"{scenario.file}: components.{name}"
+    if component.data is not None:
+        return _recorded(scenario, spec, name, component, component.data)
     written = component.fmu
     if written.endswith(".fmu"):
         path = scenario.file.parent / written
@@ -65,6 +75,37 @@ def locate(
     except BuildError as error:
         raise BuildError(f"{where}.fmu: {error}") from None
     return Located(path, written, period)
+
+
+def _recorded(
+    scenario: Scenario, spec: Specification, name: str, own: ComponentSpec, data: str
+) -> Located:
+    where = f"{scenario.file}: components.{name}"
+    recording = Recording(
+        scenario.file.parent / data,
+        own.step,
+        own.interpolation,
+        own.begin,
+        own.rate,
+    )
+    try:
+        found = play(recording, fmi=spec.fmi)
+    except (ScenarioError, BuildError) as error:
+        raise ScenarioError(f"{where}: {error}") from None
+    end = None
+    if found.last < spec.stop:
+        ends = f"{data} ends at t = {float(found.last):g} s"
+        stop = f"the stop at {float(spec.stop):g} s"
+        if own.at_end is None:
+            raise ScenarioError(
+                f'{where}: {ends}, before {stop}; say at_end = "hold" (its last values '
+                f'hold) or at_end = "end" (the run ends there)'
+            )
+        ends_run = own.at_end == "end"
+        end = found.last if ends_run else None
+        then = "the run ends there, not at" if ends_run else "its last values hold to"
+        warn(f"components.{name}: {ends}; {then} {stop}")
+    return Located(found.fmu, data, found.period, found.content, end)
 
 
 def component_of(

@@ -59,6 +59,7 @@ def locked(composition: Composition) -> dict[str, Any]:
             "overrides": list(composition.scenario.overrides),
             "sources": dict(composition.sources),
             "digests": dict(composition.digests),
+            "contents": dict(composition.contents),
             "versions": versions(),
             "design": {
                 name: {

@@ -2,6 +2,7 @@
 
     component.parameter   component.nested.parameter   component.state.x_1
     component.step  .offset  .latency  .fmu  .kind  .split   (of the component itself)
+    component.data  .interpolation  .begin  .rate  .at_end   (of signals of a file)
     rates.name   stop   fmi
     faults.component.input.value  .samples  .window  .kind
     faults.component.input=false (leave it out)
@@ -25,7 +26,8 @@ from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.written import parse_setting
 
 _TABLES = ("rates", "design", "faults", "metrics", "record", "connections")
-_OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
+OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
+_OF_DATA = ("data", "interpolation", "begin", "rate", "at_end")
 _OF_DESIGN = ("from_run", "call")
 _OF_FAULT = ("kind", "value", "samples", "window")
 
@@ -127,8 +129,10 @@ def parse_map(text: str) -> Any:
 
 
 def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) -> None:
-    if rest in _OF_COMPONENT:
-        is_file = rest == "fmu" and str(value).endswith((".fmu", ".py"))
+    if rest in OF_COMPONENT or (rest in _OF_DATA and "data" in component):
+        is_file = rest == "data" or (
+            rest == "fmu" and str(value).endswith((".fmu", ".py"))
+        )
         component[rest] = str(Path(value).absolute()) if is_file else value
         return
     table, _, name = rest.partition(".")

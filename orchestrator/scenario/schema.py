@@ -26,7 +26,13 @@ from pydantic import (
 
 from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import RateContext, named_period
-from orchestrator.evaluation.schema import Expectation, MetricSpec, Strict, Window
+from orchestrator.evaluation.schema import (
+    Expectation,
+    Likeness,
+    MetricSpec,
+    Strict,
+    Window,
+)
 from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
 from orchestrator.scenario.written import (
     in_floats,
@@ -34,6 +40,7 @@ from orchestrator.scenario.written import (
     parse_setting,
     parse_value,
 )
+from orchestrator.signals.recording import AtEnd, Interpolation
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
 _RESERVED = (
@@ -96,9 +103,19 @@ class ExperimentSpec(Strict):
 
 
 class ComponentSpec(Strict):
-    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times."""
+    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times.
 
-    fmu: str
+    Or the signals of a file, ``data``: ``interpolation`` between its rows, ``begin`` is
+    its time (s) at the start of the run, ``rate`` how far apart its rows are, exactly;
+    ``at_end`` its last values hold or the run ends.
+    """
+
+    fmu: str = ""
+    data: str | None = None
+    interpolation: Interpolation = "hold"
+    begin: Time = Fraction(0)
+    rate: Period | None = None
+    at_end: AtEnd | None = None
     step: Period | None = None
     offset: Time = Fraction(0)
     latency: int = Field(default=0, ge=0)
@@ -118,6 +135,17 @@ class ComponentSpec(Strict):
         if not isinstance(value, dict):
             return value
         return {k: {"name": v} if isinstance(v, str) else v for k, v in value.items()}
+
+    @model_validator(mode="after")
+    def _model_or_data(self) -> "ComponentSpec":
+        if bool(self.fmu) == (self.data is not None):
+            raise ValueError(
+                'give fmu = "...", a model, or data = "...", a file of signals'
+            )
+        of_data = {"interpolation", "begin", "rate", "at_end"} & self.model_fields_set
+        if self.fmu and of_data:
+            raise ValueError(f"{min(of_data)} is for data = a file of signals")
+        return self
 
     @model_validator(mode="after")
     def _each_value_once(self) -> "ComponentSpec":
@@ -243,8 +271,14 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
+    expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
     lock: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("expect_like", mode="before")
+    @classmethod
+    def _folder_alone(cls, value: Any) -> Any:
+        return {"folder": value} if isinstance(value, str) else value
 
     @field_validator("rates", mode="wrap")
     @classmethod
@@ -301,6 +335,8 @@ class Specification(Strict):
                 _one_of(f"design.{name}.sets", "component", component, self.components)
         for name in self.tolerances:
             self._variable(f'tolerances."{name}"', name)
+        for name in self.expect_like.signals if self.expect_like else ():
+            self._variable(f'expect_like.signals."{name}"', name)
         for name in self.expect:
             metric_name = name.rpartition(".")[0]
             _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)

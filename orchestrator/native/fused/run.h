@@ -16,7 +16,11 @@ EXPORTED int64_t engine_run(Engine *e, int64_t first, int64_t length,
         if (!carry_out_program(e, programs[i], k, seconds_of(e, k)))
             return done;
 #if W == 1
-        if (e->kernel && K->full)
+        if (e->kernel && K->ending) {
+            K->failure = ENDED;
+            K->part = K->ending - 1;
+        }
+        if (e->kernel && (K->full || K->ending))
             return done + 1;
 #endif
         if (++i == n) {

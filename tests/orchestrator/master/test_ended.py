@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from outcomes import outcomes
-from systems import trusted
+from systems import part, trusted
 
 from orchestrator.errors import SimulationError
 from orchestrator.master.simulate import Choice, simulate
@@ -41,8 +41,9 @@ def simulated(
     one = Component("one", fmu, step, parameters=values, isolation=isolation)
     here = Isolation(process=False)
     other = Component("other", fmu, step / 2, isolation=here)
-    record = {"one.t": (step,), "other.t": (step / 2,)}
-    parts = {"one": one, "other": other}
+    ours = part("ours", "counter", "1/200")
+    record = {"one.t": (step,), "other.t": (step / 2,), "ours.k": (step / 2,)}
+    parts = {"one": one, "other": other, "ours": ours}
     system = System("t", Fraction("1/20"), parts, {}, record)
     return simulate(system, folder, executor=executor)
 
@@ -50,9 +51,9 @@ def simulated(
 @pytest.mark.parametrize(
     ("fmi", "how", "executor", "apart"),
     [
-        *((*end, executor, False) for end in ENDS for executor in ("kernel", "python")),
+        *((*end, how, False) for end in ENDS for how in ("kernel", "python", "fused")),
         *((3, how, "kernel", True) for how in (WHOLE, DISCARDED)),
-        (3, WHOLE, "python", True),
+        *((3, WHOLE, executor, True) for executor in ("python", "fused")),
         (2, TERMINATED, "kernel", True),
     ],
 )
@@ -72,6 +73,7 @@ def test_an_fmu_that_ends_the_run_leaves_rows_until_then_and_its_reason(
     assert result["one.t"].time[-1] == pytest.approx(last)
     assert result["one.t"].values[-1] == pytest.approx(last)
     assert result["other.t"].time[-1] >= last
+    assert len(result["ours.k"]) == len(result["other.t"])
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from broken import ball, pack
 from foreign import foreign
+from outcomes import outcomes
 from systems import part, system
 
 from fmus.build import build
@@ -15,6 +17,7 @@ from orchestrator.errors import FeedDriveError
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.result import Result, Signal
+from orchestrator.signals.recording import Recording, play
 from orchestrator.system import Component, Fault, Isolation, Mapped, System
 
 PAGE = Path(__file__).parents[3] / "docs" / "executors.md"
@@ -98,6 +101,19 @@ def apart(tmp_path: Path) -> System:
     return replace(given, components={**given.components, "alien": other})
 
 
+def signals(folder: Path) -> System:
+    """Rows at 1, 3 and 10 ms, on lines between them, played every 2 ms and held."""
+    file = folder / "force.csv"
+    file.write_text("t [ms],F [1]\n0,0.1\n1,0.7\n3,-0.2\n10,0.4\n")
+    found = play(Recording(file, Fraction(1, 500), "linear"))
+    parts = [
+        Component("force", found.fmu, found.period),
+        part("b", "counter", "1/1000"),
+    ]
+    record = {"force.F": "1/1000", "b.seen": "1/1000"}
+    return system("1/50", parts, {"b.u": "force.F"}, record)
+
+
 def python_fmu() -> System:
     parts = [part("a", "counter", "1/1000"), controller("python")]
     return system("1/100", parts, {}, {"pi.u": "1/1000", "a.k": "1/1000"})
@@ -108,6 +124,23 @@ def unsplit() -> System:
     parts = [part("source", "counter", "1/1000"), plant]
     wires = {"plant.u": "source.rate"}
     return system("1/125", parts, wires, {"plant.y": "1/250"})
+
+
+def ending(folder: Path) -> System:
+    step, here = Fraction(1, 1000), Isolation(process=False)
+    how = {"how": 1.0, "at": 0.004}  # asks to end behind a whole step
+    one = Component("one", outcomes(3, folder), step, parameters=how, isolation=here)
+    rows = {"one.t": "1/1000", "a.k": "1/1000"}
+    parts = [part("a", "counter", "1/1000"), one]
+    return system("1/100", parts, {"one.u": "a.k"}, rows)
+
+
+def falling(folder: Path) -> System:
+    here = Isolation(process=False)
+    file = pack("ball", ball(2), folder)
+    one = Component("ball", file, Fraction(1, 10), isolation=here)
+    rows = {"ball.bounces": "1/10", "ball.h": "1/10"}
+    return system("1", [part("a", "counter", "1/10"), one], {"ball.u": "a.k"}, rows)
 
 
 def words(folder: Path) -> System:
@@ -142,7 +175,10 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "64-bit integers": words,
     "FMU of others": alien,
     "FMU in a process of its own": apart,
+    "signals of a file": signals,
     "Python FMU": lambda _: python_fmu(),
+    "FMU that ends the run": ending,
+    "model exchange with state events": falling,
 }
 
 

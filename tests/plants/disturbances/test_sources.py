@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from fmus.model import Record, Sampled
 from fmus.ticks import sine, tick_of
 from plants.ball_screw import encoder
-from plants.disturbances import rope_snap, slotting_force
+from plants.disturbances import chirp, rope_snap, slotting_force
 from plants.disturbances import sine as excitation
 
 T_s = 1 / 20_000
@@ -83,3 +83,17 @@ def test_excitation_starts_at_phase_zero_after_its_rest() -> None:
     assert not d[:2001].any()
     t = T_s * np.arange(2000)
     assert d[2000:] == pytest.approx(3 * np.sin(2 * np.pi * 50 * t), abs=1e-11)
+
+
+def test_a_chirp_sweeps_from_its_first_to_its_last_frequency_and_again() -> None:
+    p = chirp.Parameters(F=50.0, f_0_hz=20.0, c=190.0, T=1.0, t_0=0.1)
+    f = record(chirp.model, p, np.arange(42_000))
+    t = T_s * np.arange(20_000)
+    assert not f[:2001].any()
+    assert np.array_equal(f[22_000:42_000], f[2000:22_000])
+    phase = np.unwrap(np.arcsin(f[2000:2200] / 50.0), period=np.pi)
+    assert phase[:100] == pytest.approx(
+        2 * np.pi * (20 * t + 190 * t * t)[:100], abs=1e-9
+    )
+    crossings = np.count_nonzero(np.diff(np.sign(f[2001:22_000])))
+    assert crossings == 2 * (20 + 190) - 1

@@ -1,0 +1,1 @@
+"""FMUs of recorded signals: a table of numbers in the archive instead of equations."""

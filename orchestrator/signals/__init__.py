@@ -1,0 +1,1 @@
+"""Recorded signals: read from files, put on the ticks of a run, made an FMU."""
