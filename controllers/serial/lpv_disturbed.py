@@ -8,7 +8,8 @@ Source: Hanifzadegan 2014, sec. 7.1; the design is ``controllers.synthesis.seria
 
 from typing import Annotated, NamedTuple
 
-from controllers.ball_screw_lpv._table import Slopes, Table, period, table
+from controllers._scheduled import period
+from controllers.ball_screw_lpv._table import Slopes, Table, table
 from controllers.serial import lpv
 from controllers.serial.lpv import Input, Output, State
 from fmus.data import read_data
