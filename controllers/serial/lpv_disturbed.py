@@ -16,10 +16,11 @@ from fmus.data import read_data
 from fmus.model import Sampled, Var
 
 DESIGN = read_data(__file__, "k_disturbed.json")
+TABLE = table(DESIGN)
 
 
 class Parameters(NamedTuple):
-    table: Table = table(DESIGN)
+    table: Table = TABLE
     x_0: Annotated[float, Var("m", "nut distance at u_c = 0")] = 0.65
 
 
