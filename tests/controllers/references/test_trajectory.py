@@ -6,7 +6,7 @@ from math import ceil, lcm
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from controllers.ball_screw import model_inversion
@@ -102,12 +102,29 @@ def moves() -> st.SearchStrategy[Parameters]:
     )
 
 
+def rounding(p: Parameters) -> float:
+    """What 15 shifts of the segments in doubled digits leave at the move's end (rad).
+
+    A jerk that should be nothing is rounded at 2^-104 of its limit, and so on, and
+    acts until the end.  It is seen where a long return comes back to zero.
+    """
+    T = move_time(p)
+    reached = p.v_max * T + p.a_max * T**2 / 2 + p.j_max * T**3 / 6
+    return 15 * 2.0**-104 * reached / p.r_g
+
+
 @given(p=moves(), part=st.lists(st.floats(0, 1), min_size=5, max_size=20))
+@example(
+    p=Parameters(
+        v_max=0.01, a_max=1.0, j_max=100.0, s_max=1e4, t_0=0, back=True, dwell=0
+    ),
+    part=[0.99999],
+)
 def test_any_move_is_exact(p: Parameters, part: list[float]) -> None:
     k = np.unique(np.round(np.array(part) * last_tick(p)))
     exact, ours = Exact(p), command(p, k)
     x_r = np.array([float(exact.at(int(i))) for i in k])
-    assert np.all(np.abs(ours.x_r - x_r) <= np.spacing(np.abs(x_r)))
+    assert np.all(np.abs(ours.x_r - x_r) <= np.spacing(np.abs(x_r)) + rounding(p))
     ceilings = np.array([p.v_max, p.a_max, p.j_max, 2 * p.s_max]) / p.r_g
     for order in range(1, 5):
         derivative = np.array([float(exact.at(int(i), order)) for i in k])
