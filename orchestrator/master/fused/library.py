@@ -120,7 +120,7 @@ def load(text: str, lanes: int) -> Any:
             if file.suffix == ".h" or file.name == "kernel.c":
                 sources[name] = file.read_text(encoding="utf-8")
     else:
-        flags += ["-mcpu=native", f"-DHOST_{_processor()}"]
+        flags += ["-mcpu=native", f"-DHOST_{processor()}"]
     built = compile_alone(
         "fused", sources, host_platform(), cache_folder() / "fused", flags=flags
     )
@@ -144,7 +144,7 @@ def load(text: str, lanes: int) -> Any:
 
 
 @cache
-def _processor() -> str:
+def processor() -> str:
     """Return a name of this processor's instructions, for the cache."""
     from hashlib import sha256
 
