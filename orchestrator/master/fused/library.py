@@ -102,6 +102,7 @@ def _padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]
     return [(name, ctypes.c_char * missing)] if missing else []
 
 
+@cache
 def load(text: str, lanes: int) -> Any:
     """Return the library of a source for W lanes; compiled first if it was not yet.
 
