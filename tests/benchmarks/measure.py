@@ -130,6 +130,7 @@ def _told(command: list[str], job: str = "") -> Run:
 RUNNERS: Mapping[str, Callable[[str, int, Path], Run]] = {
     "C loop": limit,
     "kernel": ours("kernel"),
+    "fused": ours("fused"),
     "python executor": ours("python"),
     "fmucontainer": container,
     "ecos": peer("ecospy", "ecos.py"),
