@@ -24,7 +24,9 @@ QUIET = (
 
 @cache
 def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Return Instance, Line, Faulty, Rows, Engine and Injected for W lanes, as C lays them out.
+    """Return what engine.h declares, for W lanes, as C lays it out.
+
+    In this order: Instance, Line, Faulty, Rows, Engine, Injected.
 
     Vectors stand at multiples of their own size.
     """
