@@ -174,7 +174,9 @@ def run(
         typer.echo("expectation not met: " + "; ".join(failed), err=True)
     if done.diverged:
         typer.echo(done.diverged, err=True)
-    if failed or done.diverged:
+    for text in done.unlike:
+        typer.echo(text, err=True)
+    if failed or done.diverged or (done.unlike and not changed):
         raise typer.Exit(1)
 
 
