@@ -35,7 +35,7 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     """
     for name, component in system.components.items():
         _check_component(system, component, fmus[name])
-    links, notes, warnings = _links(system, fmus)
+    links, notes, warnings = links_of(system, fmus)
     for name, component in system.components.items():
         warnings += _experiment_notes(component, fmus[name])
     recorded = {
@@ -251,9 +251,14 @@ def _experiment_notes(c: Component, fmu: FmuDescription) -> Iterator[str]:
         )
 
 
-def _links(
+def links_of(
     system: System, fmus: Mapping[str, FmuDescription]
 ) -> tuple[list[Link], list[str], list[str]]:
+    """Return every number that is connected, notes and what is a guess.
+
+    Raises:
+        WiringError: names, types or units do not fit, or an input is driven twice.
+    """
     links: list[Link] = []
     notes: list[str] = []
     warnings: list[str] = []
