@@ -28,6 +28,7 @@ from orchestrator.errors import SimulationError
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
+from orchestrator.instances.doing import rest
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
@@ -71,13 +72,14 @@ def simulate(
     progress: Progress | None = None,
     executor: Choice | None = None,
     profile: bool = False,
+    recorded: Callable[[Result], None] | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``timetable`` is what ``plan`` returned for it, if that was asked before.
     ``progress`` is told the time reached (s), about four times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
-    says where the time went.
+    says where the time went.  ``recorded`` is told the result before FMUs are freed.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
@@ -121,7 +123,10 @@ def simulate(
             complete = True
         finally:
             recorder.close(complete=complete)
-    return Result(folder, timing, ended)
+        result = Result(folder, timing, ended)
+        if recorded:
+            recorded(result)
+    return result
 
 
 @contextmanager
@@ -244,6 +249,7 @@ def _execute(
     reached, ended = float(stop), None
     try:
         for k in engine.run():
+            rest()
             if (now := perf_counter()) - told > BETWEEN:
                 told = now
                 recorder.flush()
