@@ -75,17 +75,12 @@ def command(t: float) -> float:
 
 def between(table: tuple[Array, Array, Array], phi: float, v: float) -> Array:
     angles, speeds, K = table
-    K = np.array(
-        [
-            [
-                [np.interp(phi, angles, K[:, j, a, b]) for b in range(K.shape[3])]
-                for a in range(K.shape[2])
-            ]
-            for j in range(2)
-        ]
-    )
+    x = np.clip(phi, angles[0], angles[-1])
+    i = min(int(np.searchsorted(angles, x, side="right")), len(angles) - 1)
+    part = (x - angles[i - 1]) / (angles[i] - angles[i - 1])
+    at_speeds = K[i - 1] + part * (K[i] - K[i - 1])
     share = np.clip((v - speeds[0]) / (speeds[1] - speeds[0]), 0, 1)
-    return np.asarray(K[0] + share * (K[1] - K[0]))
+    return np.asarray(at_speeds[0] + share * (at_speeds[1] - at_speeds[0]))
 
 
 @dataclass
@@ -101,7 +96,8 @@ class Loop:
             assert float(Fraction(d["period"])) == T_s
             A, B, C, D = (np.array(d[k]) for k in "ABCD")
             K = np.block([[A, B], [C, D]])
-            tables.append((np.array(d["phi"]), np.array(d["v_1"]), K))
+            shape = (len(d["phi"]), 2, *K.shape[-2:])
+            tables.append((np.array(d["phi"]), np.array(d["v_1"]), K.reshape(shape)))
             weights = d["design"]["weights"]
             unit = 1 / (weights["W_v"] * weights["m_0"])
         x = v = 0.0
