@@ -4,7 +4,8 @@
     v_m = K_v (e_v + I⁺)
 
 A controller that starts away from 0 starts with its last positions there.
-Source: ours, the gains too; Hanifzadegan 2014 has no cascade on this machine.
+Source: ours; Hanifzadegan 2014 has no cascade on this machine.  The gains are our
+choice.
 """
 
 from fractions import Fraction
