@@ -119,12 +119,17 @@ def why_empty(variable: Variable, cell: str) -> str | None:
             return None if signal else "its start or its state tells the size"
         case "display":
             return "shown in its own unit"
+        case _ if variable.var.constant:
+            return "a constant"
+        case "min" if variable.block == "parameter":
+            return "either sign has a meaning"
         case "min" if variable.block in SIGNALS:
             return "a signal of either sign"
         case "max" if variable.block in SIGNALS:
             return "the drive limits it, not nature"
-        case _:
+        case "min" | "max":
             return "nature sets no bound"
+    return None
 
 
 def _kind(variable: Variable) -> Kind:
