@@ -1,6 +1,6 @@
 """A finished run with its figures and checks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -15,7 +15,8 @@ class Run(Result):
     """A finished run: recorded signals by name, and what was made of them.
 
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
-    ``diverged`` says which signal diverges and when, if one does;
+    ``diverged`` says which signal diverges and when, if one does, ``unlike`` what is
+    not as in the baseline;
     ``composition`` is the system that ran, with its design results; ``warnings``
     are what its user has to know of it, ``number`` is that of its folder if it has
     one.
@@ -30,6 +31,7 @@ class Run(Result):
         diverged: str | None = None,
         warnings: tuple[str, ...] = (),
         number: int | None = None,
+        unlike: Sequence[str] = (),
     ) -> None:
         super().__init__(result.folder, result.timing, result.ended)
         self.composition = composition
@@ -38,6 +40,7 @@ class Run(Result):
         self.diverged = diverged
         self.warnings = warnings
         self.number = number
+        self.unlike = unlike
 
     @property
     def scenario(self) -> Scenario:
@@ -54,6 +57,7 @@ class Run(Result):
                 name: _summed_up(figure) for name, figure in self.metrics.items()
             },
             "diverged": self.diverged,
+            "unlike": list(self.unlike),
             "ended": self.ended and asdict(self.ended),
             "values": {
                 f"{name}.{key}": list(value) if isinstance(value, tuple) else value

@@ -94,12 +94,15 @@ class ScenarioTest(pytest.Item):
         from orchestrator.session import run
 
         done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
-        from orchestrator.evaluation.baseline import update
+        spec = done.scenario.spec.expect_like
+        updating = spec is not None and self.config.getoption("--feeddrive-update")
+        if text := unmet(done, () if updating else done.unlike):
+            kept = "\nso it is not made the baseline" if updating else ""
+            raise ExpectationsNotMet(text + kept)
+        if updating:
+            from orchestrator.evaluation.baseline import update
 
-        if self.config.getoption("--feeddrive-update"):
-            update(done.scenario.file, done.scenario.spec.expect_like, done)
-        if text := unmet(done):
-            raise ExpectationsNotMet(text)
+            update(done.scenario.file, spec, done)
 
     def repr_failure(
         self,
@@ -116,12 +119,11 @@ class ScenarioTest(pytest.Item):
         return self.path, None, f"scenario {self.path.stem}"
 
 
-def unmet(done: "Run") -> str:
+def unmet(done: "Run", unlike: Sequence[str]) -> str:
     """Return the expectations a run does not meet, one paragraph each, or nothing.
 
-    A run that diverged says so first.
+    A run that diverged says so first; ``unlike`` comes last.
     """
-    from orchestrator.evaluation.baseline import unlike
     from orchestrator.evaluation.worst import worst_stretch
 
     spec = done.scenario.spec
@@ -134,7 +136,7 @@ def unmet(done: "Run") -> str:
         parameter = done.composition.parameter
         worst = worst_stretch(check.figure, metric, expected, done, parameter)
         lines.append(f"{check.text}\n    {worst}")
-    lines += unlike(done.scenario.file, spec.expect_like, done)
+    lines += unlike
     if lines:
         lines.append(f"report: {(done.folder / 'report.html').absolute()}")
     return "\n".join(lines)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from fmus.units import UnitError
 from orchestrator.errors import FeedDriveError, ScenarioError, SimulationError
+from orchestrator.evaluation.baseline import unlike
 from orchestrator.evaluation.compared import refuse_apart
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
@@ -154,6 +155,7 @@ def _evaluated(
         diverged,
         (*composition.warnings, *warnings),
         place.number,
+        unlike(composition.scenario.file, spec.expect_like, result),
     )
 
 

@@ -10,10 +10,11 @@ import typer
 
 from orchestrator.cli.fmus import Json, model_modules
 from orchestrator.cli.output import command, print_json, print_table, waiting
-from orchestrator.quantities.quantity import parse_period
+from orchestrator.cli.rows import Between, Rate, interpolation, time
 
 if TYPE_CHECKING:
     from orchestrator.cli.designed import Designed
+    from orchestrator.signals.ticks import Interpolation
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Order:
     platforms: list[str] | None
     clock: bool
     real: Any
-    interpolation: Any
+    interpolation: "Interpolation"
     rate: Fraction | None
 
 
@@ -57,12 +58,8 @@ def build(
         typer.Option("--clock/--no-clock", help="input clock of sampled models, FMI 3"),
     ] = True,
     real: Annotated[str, typer.Option(help="double or float, of plain C")] = "double",
-    interpolation: Annotated[
-        str, typer.Option(help="hold or linear, between the rows of signals")
-    ] = "hold",
-    rate: Annotated[
-        str | None, typer.Option(help='how far apart the rows are, e.g. "10 kHz"')
-    ] = None,
+    between: Between = "hold",
+    rate: Rate = None,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -86,10 +83,8 @@ def build(
     both = all_ and kind == "native" and fmi is None
     versions: list[Any] = ["c"] if form == "c" else [2, 3] if both else [fmi or 2]
     chosen = list(PLATFORMS) if platform == ["all"] else platform
-    if interpolation not in ("hold", "linear"):
-        raise ScenarioError(f"--interpolation {interpolation}: choose hold or linear")
-    played = (interpolation, _period(rate, "--rate"))
-    order = Order(kind, _period(period), chosen, clock, real, *played)
+    played = interpolation(between), time(rate, "--rate")
+    order = Order(kind, time(period, "--period"), chosen, clock, real, *played)
     output = output or Path("dist", "c" if form == "c" else "fmus")
     built = []
     for version in versions:
@@ -112,17 +107,6 @@ def build(
         for b in built
     ]
     print_table(["module", "form", ">size", ">time", "file"], rows)
-
-
-def _period(text: str | None, option: str = "--period") -> Fraction | None:
-    from orchestrator.errors import ScenarioError
-
-    if text is None:
-        return None
-    try:
-        return parse_period(text)
-    except ValueError as error:
-        raise ScenarioError(f"{option}: {error}") from None
 
 
 def _sampled(module: str) -> bool:

@@ -12,6 +12,7 @@ from orchestrator.cli.output import (
     set_up_logs,
     waiting,
 )
+from orchestrator.cli.rows import Between, Rate, interpolation, time
 from orchestrator.cli.run import Json, ScenarioName, Verbose
 
 if TYPE_CHECKING:
@@ -43,12 +44,8 @@ def fit(
     unused: Annotated[
         float, typer.Option(help="share of the rows kept for the cross-check")
     ] = 0.25,
-    interpolation: Annotated[
-        str, typer.Option(help="hold or linear, of inputs between rows")
-    ] = "hold",
-    rate: Annotated[
-        str | None, typer.Option(help='how far apart the rows are, e.g. "10 kHz"')
-    ] = None,
+    between: Between = "hold",
+    rate: Rate = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="scenario with the values found"),
@@ -61,29 +58,18 @@ def fit(
     from orchestrator.analysis.fit import free_values, scenario_of
     from orchestrator.analysis.measured import beside
     from orchestrator.errors import ScenarioError
-    from orchestrator.quantities.quantity import parse_period
     from orchestrator.scenario.compose import compose
     from orchestrator.scenario.reading import load_scenario
     from orchestrator.session import naming, run_earlier
 
     set_up_logs(verbose)
-    if interpolation not in ("hold", "linear"):
-        raise ScenarioError(f"--interpolation {interpolation}: choose hold or linear")
+    how, period = interpolation(between), time(rate, "--rate")
     if not 0 <= unused < 1:
         raise ScenarioError(f"--unused {unused:g}: is no share from 0 to below 1")
-    try:
-        period = None if rate is None else parse_period(rate)
-    except ValueError as error:
-        raise ScenarioError(f"--rate: {error}") from None
     loaded = load_scenario(scenario)
     with naming(loaded), waiting(f"fitting {loaded.name} to {data.name}"):
         composition = compose(loaded, run_earlier)
-        measured = beside(
-            composition,
-            data,
-            rate=period,
-            interpolation="linear" if interpolation == "linear" else "hold",
-        )
+        measured = beside(composition, data, rate=period, interpolation=how)
         names = [name.strip() for name in free.split(",") if name.strip()]
         wanted = free_values(composition, names, dict(map(_bracket, bounds)))
         found = fitted(composition, measured, wanted, unused)

@@ -190,7 +190,7 @@ def _titled(run: "Run", title: str) -> "Run":
     spec = run.scenario.spec.model_copy(update={"title": title})
     scenario = replace(run.scenario, spec=spec)
     composition = replace(run.composition, scenario=scenario)
-    told = run.metrics, run.checks, run.diverged, run.warnings
+    told = run.metrics, run.checks, run.diverged, run.warnings, None, run.unlike
     return Run(run, composition, *told)
 
 

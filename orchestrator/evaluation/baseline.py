@@ -8,9 +8,13 @@ run that was right.
 import shutil
 from pathlib import Path
 
+import numpy as np
+
 from fmus.units import UnitError
+from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.likeness import differences
 from orchestrator.evaluation.schema import Likeness
+from orchestrator.history.folder import holds_run
 from orchestrator.result import Result
 
 TABLES = "result"
@@ -23,10 +27,31 @@ def folder_of(file: Path, spec: Likeness) -> Path:
 
 
 def update(file: Path, spec: Likeness | None, done: Result) -> None:
-    """Make the signals of a run the baseline, in place of another."""
+    """Make the signals of a run the baseline, in place of another.
+
+    Raises:
+        ScenarioError: the baseline is the folder of a run, or a signal that is to be
+            compared was not recorded or holds values that are no finite numbers.
+    """
     if spec is None:
         return
-    target = folder_of(file, spec) / TABLES
+    place = folder_of(file, spec)
+    if holds_run(place):
+        raise ScenarioError(
+            f"expect_like: {place} is the folder of a run, whose rows are not "
+            f"replaced; name a folder of its own for the baseline"
+        )
+    for name in spec.signals or done:
+        if name not in done:
+            raise ScenarioError(
+                f"expect_like: {name} was not recorded; add it to [record]"
+            )
+        if not np.isfinite(done[name].values.astype(float)).all():
+            raise ScenarioError(
+                f"expect_like: {name} holds values that are no finite numbers; "
+                f"such a run makes no baseline"
+            )
+    target = place / TABLES
     shutil.rmtree(target, ignore_errors=True)
     target.mkdir(parents=True)
     for table in (done.folder / TABLES).glob("*.parquet"):

@@ -66,6 +66,9 @@ def _compared(was: Signal, now: Signal, tolerance: Tolerance) -> Iterator[str]:
         )
         return
     time, r = was.time, was.values.astype(float)
+    if not np.isfinite(r).all():
+        yield "the baseline holds values that are no finite numbers; update it"
+        return
     y = np.asarray(converter(now.unit, was.unit)(now.values.astype(float)))
     width = tolerance.absolute + tolerance.relative * float(np.ptp(r))
     lower, upper = tube(time, r, float(tolerance.time))

@@ -66,7 +66,8 @@ def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
     """Return how far each point lies outside a contour around the origin, (n,).
 
     ``circle``: √(x² + y²) - size, its radius; ``diamond``: |x| + |y| - size, half
-    its diagonal; ``square``: distance from a square of side ``size`` on its corner.
+    its diagonal; ``square``: distance from a square of side ``size`` on its corner;
+    ``rose``: distance from four petals of length ``size``, r = size cos 2φ.
     """
     if shape == "circle":
         return np.asarray(np.hypot(x, y) - size)
@@ -75,6 +76,10 @@ def contour_error(x: Array, y: Array, shape: str, size: float) -> Array:
         return np.asarray(reach - size)
     foot_x, foot_y = nearest_on_contour(x, y, shape, size)
     distance = np.hypot(x - foot_x, y - foot_y)
+    if shape == "rose":
+        r = np.hypot(x, y)
+        within = size * np.abs(np.cos(2 * np.arctan2(y, x)))
+        return np.asarray(np.copysign(distance, r - within))
     return np.asarray(np.copysign(distance, reach - size * np.sqrt(0.5)))
 
 
@@ -85,10 +90,38 @@ def nearest_on_contour(
     if shape == "circle":
         r = np.hypot(x, y)
         return size * x / r, size * y / r
+    if shape == "rose":
+        return _nearest_on_rose(x, y, size)
     corner = size if shape == "diamond" else size * np.sqrt(0.5)
     # in the first quadrant, along the side from the corner on the x axis
     along = np.clip((corner - np.abs(x) + np.abs(y)) / 2, 0.0, corner)
     return np.copysign(corner - along, x), np.copysign(along, y)
+
+
+def _nearest_on_rose(x: Array, y: Array, size: float) -> tuple[Array, Array]:
+    """Return the nearest points: of 4096 on the rose, then by Newton's rule."""
+    from scipy.spatial import cKDTree
+
+    def at(phi: Array) -> tuple[Array, Array]:
+        r = size * np.cos(2 * phi)
+        return r * np.cos(phi), r * np.sin(phi)
+
+    coarse = 2 * np.pi * np.arange(4096) / 4096
+    _, nearest = cKDTree(np.stack(at(coarse), axis=1)).query(np.stack([x, y], axis=1))
+    phi = coarse[nearest]
+    for _ in range(4):
+        # slope and curvature of half the squared distance; (q, across) is the point
+        # in the frame that is turned by φ
+        c, s = np.cos(phi), np.sin(phi)
+        q, across = x * c + y * s, y * c - x * s
+        r, r_1, r_2 = (
+            size * f
+            for f in (np.cos(2 * phi), -2 * np.sin(2 * phi), -4 * np.cos(2 * phi))
+        )
+        slope = (r - q) * r_1 - across * r
+        steep = r_1 * r_1 + (r - q) * r_2 - 2 * across * r_1 + q * r
+        phi = phi - slope / np.where(steep > 0, steep, np.inf)
+    return at(phi)
 
 
 def sustained(

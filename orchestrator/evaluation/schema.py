@@ -177,12 +177,13 @@ class ContourMetric(_Metric):
 
     ``.peak`` (largest magnitude), ``.rms``, ``.max`` (outside) and ``.min`` (inside):
     the distance from a circle of radius ``size``, or from a ``square`` of side
-    ``size`` that stands on its corner, or |x| + |y| - ``size`` of a ``diamond``.
+    ``size`` that stands on its corner, or |x| + |y| - ``size`` of a ``diamond``, or the
+    distance from a ``rose`` of four petals, r = ``size`` cos 2φ.
     """
 
     kind: Literal["contour"]
     across: str
-    shape: Literal["circle", "diamond", "square"]
+    shape: Literal["circle", "diamond", "rose", "square"]
     size: Factor
 
     def signals(self) -> dict[str, str]:

@@ -135,7 +135,7 @@ def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
         raise ScenarioError(f"{folder}: is a file; give a folder with -o")
     folder.mkdir(parents=True, exist_ok=True)
     there = {path.name for path in folder.iterdir()} - {HELD}
-    if there and not (folder / FORMAT_FILE).is_file() and not _old(folder):
+    if there and not holds_run(folder):
         raise ScenarioError(
             f"{folder}: holds files that are no run; give another folder with -o"
         )
@@ -145,7 +145,7 @@ def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
         raise ScenarioError(
             f"{folder}: another run is writing there; give another folder with -o"
         ) from None
-    if (folder / FORMAT_FILE).is_file() or _old(folder):
+    if holds_run(folder):
         if not overwrite:
             raise ScenarioError(
                 f"{folder}: holds a run already; give another folder with -o, or "
@@ -158,9 +158,10 @@ def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
     return folder
 
 
-def _old(folder: Path) -> bool:
-    """Tell whether a folder holds a run of before folders said their format."""
-    return (folder / "scenario.lock.toml").is_file()
+def holds_run(folder: Path) -> bool:
+    """Tell whether a folder is that of a run, also of before folders had a format."""
+    marks = (FORMAT_FILE, BEGUN, "scenario.lock.toml")
+    return any((folder / name).is_file() for name in marks)
 
 
 def _reached(folder: Path) -> float | None:

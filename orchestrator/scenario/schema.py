@@ -43,7 +43,7 @@ from orchestrator.scenario.written import (
 from orchestrator.signals.recording import AtEnd, Interpolation
 from orchestrator.system import FaultKind, Kind, Value, split_name
 
-_RESERVED = (
+RESERVED = (
     *("stop", "fmi", "rates", "design", "base", "faults"),
     *("metrics", "record", "connections"),
 )
@@ -303,10 +303,10 @@ class Specification(Strict):
     @classmethod
     def _plain_names(cls, value: dict[str, ComponentSpec]) -> dict[str, ComponentSpec]:
         for name in value:
-            if not re.fullmatch(r"[A-Za-z_]\w*", name) or name in _RESERVED:
+            if not re.fullmatch(r"[A-Za-z_]\w*", name) or name in RESERVED:
                 raise ValueError(
                     f"{name!r} cannot name a component: letters, digits and _ only, "
-                    f"and none of {', '.join(_RESERVED)}"
+                    f"and none of {', '.join(RESERVED)}"
                 )
         return value
 

@@ -103,7 +103,7 @@ def test_a_run_gives_signals_figures_checks_and_a_folder(drive, tmp_path):
     keys = {"scenario", "stop", "metrics", "diverged", "timing", "result"}
     assert set(written) == keys | {
         *("number", "warnings", "executor", "ended", "undriven", "not_taken_over"),
-        "values",
+        *("values", "unlike"),
     }
     assert (written["warnings"], written["executor"]) == ([], "kernel")
     assert written["number"] is None

@@ -1,14 +1,21 @@
 """Whole signals against a baseline: what passes, what does not, and what is said."""
 
+import json
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from orchestrator.cli import app
+from orchestrator.errors import ScenarioError
+from orchestrator.evaluation.baseline import update
 from orchestrator.evaluation.likeness import differences, tube
 from orchestrator.evaluation.schema import Likeness
+from orchestrator.history.folder import BEGUN
 from orchestrator.result import Signal
+from orchestrator.session import run
 
 pytest_plugins = ["pytester"]
 TIME = np.arange(2001) / 1000
@@ -77,6 +84,41 @@ def test_what_is_not_finite_never_passes() -> None:
     assert "leaves the tube" in unlike(was, now, absolute=1e9)
 
 
+def test_a_baseline_that_is_not_finite_is_refused() -> None:
+    was = np.where(TIME > 1, np.inf, np.sin(TIME))
+    assert unlike(was, was) == (
+        "the baseline holds values that are no finite numbers; update it"
+    )
+
+
+def test_what_is_no_baseline_does_not_become_one(tmp_path: Path) -> None:
+    """NaN, a signal that was not recorded, and in place of the folder of a run."""
+
+    class Done(dict[str, Signal]):
+        folder = tmp_path
+
+    file = tmp_path / "drive.toml"
+    values = {"a.y": np.where(TIME > 1, np.nan, TIME), "a.z": TIME}
+    done = Done({n: Signal(n, TIME, v, "m") for n, v in values.items()})
+
+    def told(folder: str, *signals: str) -> str:
+        tables = {name: {} for name in signals}
+        spec = Likeness.model_validate({"folder": folder, "signals": tables})
+        with pytest.raises(ScenarioError) as error:
+            update(file, spec, done)  # type: ignore[arg-type]
+        return str(error.value)
+
+    assert "a.y holds values that are no finite numbers" in told("kept")
+    assert "a.x was not recorded" in told("kept", "a.x")
+    rows = tmp_path / "runs" / "result" / "1.parquet"
+    rows.parent.mkdir(parents=True)
+    rows.write_text("rows")
+    (tmp_path / "runs" / BEGUN).write_text("{}")
+    assert "is the folder of a run" in told("runs", "a.z")
+    assert rows.read_text() == "rows"
+    assert not (tmp_path / "kept").exists()
+
+
 def voltages(file: Path, gain: float = 1.0, late: float = 0.0) -> None:
     time = np.arange(0, 0.2005, 0.0005)
     u = gain * np.sin(2 * np.pi * 20 * np.maximum(time - late, 0)) ** 2
@@ -84,6 +126,14 @@ def voltages(file: Path, gain: float = 1.0, late: float = 0.0) -> None:
     file.write_text(f"t [s],u [V]\n{rows}")
 
 
+WRONG = """\
+base = "drive.toml"
+[metrics.position]
+kind = "peak"
+of = "plant.x_2"
+[expect]
+"position.peak" = { below = 1e-6 }
+"""
 HEIR = """\
 base = "drive.toml"
 expect_like = {{ folder = "baseline/{folder}", relative = 1e-3, time = "1 ms" }}
@@ -103,7 +153,11 @@ def test_scenarios_are_held_against_their_baseline_in_pytest(
         result.assert_outcomes(**expected)
         return result.stdout.str()
 
-    outcome("--feeddrive-update", passed=1)
+    (pytester.path / "wrong.toml").write_text(WRONG)
+    text = outcome("--feeddrive-update", passed=1, failed=1)
+    assert "so it is not made the baseline" in text
+    assert [f.name for f in (pytester.path / "baseline").iterdir()] == ["drive"]
+    (pytester.path / "wrong.toml").unlink()
     cases = {"soon": {"late": 0.0005}, "late": {"late": 0.005}, "larger": {"gain": 1.1}}
     for name, options in {**cases, "fresh": {}}.items():
         voltages(pytester.path / f"{name}.csv", **options)
@@ -120,6 +174,33 @@ def test_scenarios_are_held_against_their_baseline_in_pytest(
         assert "not like drive: plant.x_2: leaves the tube" in said[name]
         assert f"it amounts to a {words}" in said[name]
     assert "--feeddrive-update makes it the baseline" in said["fresh"]
+
+
+def test_the_verb_run_compares_as_pytest_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exit code 1 where it is unlike, 0 where it was changed on purpose."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "drive.toml"
+    file.write_text(DRIVE)
+    voltages(tmp_path / "u.csv")
+
+    def ran(code: int, *options: str) -> tuple[list[str], str]:
+        done = CliRunner().invoke(app, ["run", "drive.toml", "--json", *options])
+        assert done.exit_code == code, done.output
+        found: list[str] = json.loads(done.stdout)["unlike"]
+        return found, done.stderr
+
+    assert "there is no baseline" in ran(1)[1]
+    first = run(file, tmp_path / "first")
+    update(file, first.scenario.spec.expect_like, first)
+    assert ran(0)[0] == []
+    voltages(tmp_path / "u.csv", late=0.005)
+    (told,), said = ran(1)
+    assert told.startswith("not like drive: plant.x_2: leaves the tube")
+    assert "it amounts to a shift of +0.005 s" in told
+    assert told in said
+    assert "not like drive" in ran(0, "--set", "plant.m_1=0.003")[1]
 
 
 def test_a_signals_own_tolerance_replaces_the_common_one() -> None:

@@ -66,6 +66,18 @@ def test_the_distance_from_a_square_on_its_corner_ends_at_the_corner():
     assert contour_error(x, y, "square", side) == pytest.approx(expected, abs=1e-15)
 
 
+def test_the_distance_from_a_rose_is_along_its_normal_and_outside_positive():
+    phi = np.linspace(-0.6, 0.6, 25)
+    r, slope = 5 * np.cos(2 * phi), -10 * np.sin(2 * phi)
+    on = r * np.exp(1j * phi)
+    normal = -1j * (slope + 1j * r) * np.exp(1j * phi) / np.hypot(slope, r)
+    assert np.abs(contour_error(on.real, on.imag, "rose", 5.0)).max() < 1e-14
+    for away in (0.02, -0.02):
+        p = (on + away * normal) * 1j  # another petal
+        error = contour_error(p.real, p.imag, "rose", 5.0)
+        assert error == pytest.approx(away, abs=1e-12)
+
+
 def test_the_first_stair_that_ends_oscillating_counts_not_one_that_rings_down():
     stair = np.floor(time / 0.2)
     since = time - 0.2 * stair

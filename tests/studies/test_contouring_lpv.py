@@ -1,0 +1,16 @@
+"""What the study of contouring must show."""
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.reproduction.reproduce import reproduce
+
+
+@pytest.mark.parametrize("only", ["rose.p_pi.*"])
+def test_figures_are_within_the_tolerances_of_the_study(
+    only: str, tmp_path: Path
+) -> None:
+    figures = reproduce("contouring_lpv", only, processes=1, folder=tmp_path).figures
+    assert [f.spec.id for f in figures if f.regression == "FAILED"] == []
+    assert figures
