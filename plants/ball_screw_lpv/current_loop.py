@@ -34,7 +34,7 @@ class Parameters(NamedTuple):
     k_cp: Annotated[float, Var("V/A", "proportional gain", min=0)] = 111.55
     k_ci: Annotated[float, Var("V/(A.s)", "integral gain", min=0)] = 3.0019e5
     k_emf: Annotated[float, Var("V.s/rad", "back-EMF constant", min=0)] = 0.4173
-    k_t: Annotated[float, Var("N.m/A", "torque constant", min=0)] = 0.72
+    k_t: Annotated[float, Var("N.m/A", "torque constant")] = 0.72
 
 
 def derivative(x: State, u: Input, p: Parameters) -> State:

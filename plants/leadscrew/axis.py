@@ -39,7 +39,7 @@ class Output(NamedTuple):
 
 class Parameters(NamedTuple):
     J: Annotated[float, Var("kg.m2", "rotating inertia", min=1e-12)] = 1.81e-4
-    K_m: Annotated[float, Var("N.m/A", "torque constant", min=0)] = 0.172
+    K_m: Annotated[float, Var("N.m/A", "torque constant")] = 0.172
     M: Annotated[float, Var("kg", "mass of the table", min=1e-9)] = 3.57
     T_c: Annotated[float, Var("N.m", "Coulomb friction", min=0)] = 0.046
     C_sd: Annotated[float, Var("N.m.s/rad", "viscous friction", min=0)] = 9.7e-4
