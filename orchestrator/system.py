@@ -105,12 +105,25 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class Injection:
+    """What is added to an input, in its unit: value i mod n at publication i.
+
+    Publications are those of the source of its connection, after a latency, counted
+    from its offset; of an input that no connection drives its component's own
+    instants, and the values are added to what it starts with.
+    """
+
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class System:
     """A composition of FMUs over the closed interval [0, stop].
 
     ``connections`` are keyed by the sink, so that no input is driven twice.
     ``record`` gives the row periods of every recorded variable.  ``faults``, by the
-    sink of a connection, act in the order they are written.
+    sink of a connection, act in the order they are written.  ``injections``, by the
+    input, are added before faults act.
     """
 
     name: str
@@ -119,6 +132,7 @@ class System:
     connections: Mapping[str, str]
     record: Mapping[str, tuple[Fraction, ...]]
     faults: Mapping[str, tuple[Fault, ...]] = field(default_factory=dict)
+    injections: Mapping[str, Injection] = field(default_factory=dict)
 
 
 def split_name(variable: str) -> tuple[str, str]:

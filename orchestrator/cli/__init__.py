@@ -16,6 +16,7 @@ from orchestrator.cli import (
     export,
     fit,
     fmus,
+    importing,
     run,
     runs,
     second_opinion,
@@ -69,6 +70,7 @@ for verb in (
     design.design,
 ):
     app.command()(verb)
+app.command("import")(importing.import_)
 
 
 def main() -> None:

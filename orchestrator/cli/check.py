@@ -7,7 +7,9 @@ from zipfile import ZipFile, is_zipfile
 
 import typer
 
+from orchestrator.cli.importing import check_package
 from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.cli.run import Variant
 
 if TYPE_CHECKING:
     from orchestrator.checks import Report
@@ -15,7 +17,12 @@ if TYPE_CHECKING:
 
 @command
 def check(
-    fmu: Annotated[str, typer.Argument(metavar="FMU", help="an .fmu file or a module")],
+    fmu: Annotated[
+        str,
+        typer.Argument(
+            metavar="FMU", help="an .fmu file, a module, or a package (SSP)"
+        ),
+    ],
     only: Annotated[
         list[int] | None,
         typer.Option(
@@ -28,11 +35,20 @@ def check(
     junit: Annotated[
         Path | None, typer.Option("--junit", metavar="FILE", help="write JUnit XML")
     ] = None,
+    variant: Variant = None,
     json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Check an FMU against the standard; each trial runs in its own process."""
+    """Check an FMU against the standard; each trial runs in its own process.
+
+    Of a package (.ssp, .ssd, folder): schemas, and what cannot be run.
+    """
     import fmus.build
     from orchestrator.checks import check_fmu
+    from orchestrator.exchange.ssp.package import is_package
+
+    if is_package(fmu):
+        check_package(Path(fmu), variant, json=json)
+        return
 
     is_path = fmu.endswith(".fmu") or (Path(fmu).is_file() and not fmu.endswith(".py"))
     path = Path(fmu) if is_path else fmus.build.build(fmu)

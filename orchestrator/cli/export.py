@@ -1,12 +1,14 @@
-"""The verb ``export``: a run in a file that other tools read."""
+"""The verb ``export``: a run, or a composition, in a file that other tools read."""
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from orchestrator.cli.completion import run_names
-from orchestrator.cli.output import command, print_json
+from orchestrator.cli.output import command, print_json, waiting
+from orchestrator.cli.run import Fmi, Maps, Sets, Swaps
 
 
 @command
@@ -15,34 +17,80 @@ def export(
         str,
         typer.Argument(
             metavar="RUN",
-            help="a folder, or a name that `runs` lists",
+            help="a folder, or a name that `runs` lists; for .ssp a scenario",
             autocompletion=run_names,
         ),
     ],
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE", help="x.csv, x.mat or x.h5"),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="x.csv, x.mat, x.h5 or x.ssp"
+        ),
     ],
     at: Annotated[
         str | None,
         typer.Option("--at", metavar="RATE", help='only rows of one rate, "1 kHz"'),
     ] = None,
+    ssp: Annotated[
+        str | None, typer.Option("--ssp", help="version of SSP, 1.0 or 2.0 [1.0]")
+    ] = None,
+    sets: Sets = [],  # noqa: B006 - Typer copies it
+    swap: Swaps = [],  # noqa: B006
+    map: Maps = [],  # noqa: B006
+    fmi: Fmi = None,
     json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
-    """Write the rows of a run as CSV, MAT (as Dymola does) or HDF5, by the suffix."""
+    """Write the rows of a run (CSV, MAT as Dymola does, HDF5) or a scenario as SSP.
+
+    The suffix of the file says which.
+    """
     from orchestrator.errors import ScenarioError
     from orchestrator.exchange.tables import export as write
-    from orchestrator.quantities.quantity import parse_period
 
-    try:
-        period = None if at is None else parse_period(at)
-    except ValueError as error:
-        raise ScenarioError(f"--at: {error}") from None
-    written = write(_folder(run), output, period)
+    if output.suffix.lower() == ".ssp":
+        if at is not None:
+            raise ScenarioError("--at: chooses rows of a run, and an .ssp holds none")
+        written = _package(run, sets, swap, map, fmi, output, ssp)
+    elif ssp is not None or sets or swap or map or fmi is not None:
+        raise ScenarioError(
+            f"{output}: --ssp, --set, --swap, --map and --fmi are for a scenario as "
+            f".ssp; the rows of a run are written as they are"
+        )
+    else:
+        written = write(_folder(run), output, _period(at))
     if json:
         print_json({"file": str(written), "bytes": written.stat().st_size})
     else:
         typer.echo(f"written to {written}: {written.stat().st_size:,} bytes")
+
+
+def _period(at: str | None) -> Fraction | None:
+    from orchestrator.errors import ScenarioError
+    from orchestrator.quantities.quantity import parse_period
+
+    try:
+        return None if at is None else parse_period(at)
+    except ValueError as error:
+        raise ScenarioError(f"--at: {error}") from None
+
+
+def _package(
+    name: str,
+    sets: list[str],
+    swaps: list[str],
+    maps: list[str],
+    fmi: int | None,
+    output: Path,
+    version: str | None,
+) -> Path:
+    from orchestrator.cli.running import load
+    from orchestrator.exchange.ssp.write import export_ssp
+    from orchestrator.scenario.compose import compose
+    from orchestrator.session import naming, run_earlier
+
+    scenario = load(name, sets, swaps, maps, fmi)
+    with naming(scenario), waiting(f"building the FMUs of {scenario.name}"):
+        return export_ssp(compose(scenario, run_earlier), output, version)
 
 
 def _folder(name: str) -> Path:

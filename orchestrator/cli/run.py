@@ -46,7 +46,7 @@ ScenarioName = Annotated[
     str,
     typer.Argument(
         metavar="SCENARIO",
-        help="<study>/<scenario>, or a .toml file",
+        help="<study>/<scenario>, a .toml file, or a package: .ssp, .ssd, folder",
         autocompletion=scenario_names,
     ),
 ]
@@ -80,6 +80,10 @@ Maps = Annotated[
 Fmi = Annotated[
     int | None, typer.Option("--fmi", help="form in which our models are built: 2 or 3")
 ]
+Variant = Annotated[
+    str | None,
+    typer.Option("--variant", metavar="NAME", help="another .ssd of a package (SSP)"),
+]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="show notes of the run")]
 
@@ -106,6 +110,7 @@ def run(
         bool, typer.Option("--overwrite", help="lose the run that -o FOLDER holds")
     ] = False,
     fmi: Fmi = None,
+    variant: Variant = None,
     executor: Annotated[
         Executor | None,
         typer.Option(help="what carries out the steps [kernel where it can]"),
@@ -135,7 +140,7 @@ def run(
         )
         return
     original = load_original(scenario, sets, swap, map, fmi) if swap else None
-    loaded = load(scenario, sets, swap, map, fmi)
+    loaded = load(scenario, sets, swap, map, fmi, variant)
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Any] = {}
 
@@ -182,6 +187,7 @@ def schedule(
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
     fmi: Fmi = None,
+    variant: Variant = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -191,7 +197,7 @@ def schedule(
     from orchestrator.session import naming, run_earlier
 
     set_up_logs(verbose)
-    loaded = load(scenario, sets, swap, map, fmi)
+    loaded = load(scenario, sets, swap, map, fmi, variant)
     with naming(loaded), waiting("building FMUs"):
         plan = describe_schedule(compose(loaded, run_earlier).system)
     if json:

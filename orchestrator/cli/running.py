@@ -11,13 +11,29 @@ if TYPE_CHECKING:
 
 
 def load(
-    name: str, sets: list[str], swaps: list[str], maps: list[str], fmi: int | None
+    name: str,
+    sets: list[str],
+    swaps: list[str],
+    maps: list[str],
+    fmi: int | None,
+    variant: str | None = None,
 ) -> "Scenario":
-    """Return the scenario that the options of a verb describe."""
+    """Return the scenario that the options of a verb describe, or that of a package.
+
+    ``variant`` is for a package of several systems.
+    """
+    from orchestrator.errors import ScenarioError
+    from orchestrator.exchange.ssp.package import is_package
     from orchestrator.scenario.override import parse_swaps
     from orchestrator.scenario.reading import load_scenario
 
     overrides = [*sets, *([] if fmi is None else [f"fmi={fmi}"])]
+    if is_package(name):
+        from orchestrator.exchange.ssp.load import load_package
+
+        return load_package(name, overrides, parse_swaps(swaps, maps), variant)
+    if variant is not None:
+        raise ScenarioError(f"--variant: {name} is no package of several systems")
     return load_scenario(name, overrides, parse_swaps(swaps, maps))
 
 

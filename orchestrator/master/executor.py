@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.faults import Faults
-from orchestrator.master.layout import Part
+from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, Views, carry, views
 from orchestrator.master.timetable import Op, Program, Timetable
 from orchestrator.profile import Spent
@@ -60,6 +60,9 @@ class Executor:
         names = (*self._parts, None)
         self._accounts = {name: [0, 0.0] for name in names}
         self._faults = Faults(timetable.wiring, timetable.schedule, vector)
+        self._start = {
+            i.place: float(vector[i.place]) for i in timetable.wiring.injected
+        }
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
     def run(self) -> Iterator[int]:
@@ -116,6 +119,8 @@ class Executor:
             return lambda k: row(seconds(k))
         if op.code == "fault":
             return partial(self._faults.apply, op.target)
+        if op.code == "inject":
+            return self._inject(self._timetable.wiring.injected[int(op.target)])
         part, instance = self._parts[op.target], self._instances[op.target]
         if op.code in ("advance", "tick"):
             step, back, h = instance.step, op.back, op.h
@@ -137,6 +142,17 @@ class Executor:
             copy(k)
 
         return release
+
+    def _inject(self, injected: Injected) -> Action:
+        first, every = self._timetable.publications(injected)
+        view, place, values = self._views["float64"], injected.place, injected.values
+        n, start = len(values), self._start[injected.place]
+
+        def inject(k: int) -> None:
+            before = view[place] if injected.driven else start
+            view[place] = before + values[(k - first) // every % n]
+
+        return inject
 
     def _read(self, part: Part, instance: Instance) -> Action:
         view, pull, seconds = self._views["float64"], instance.pull, self._seconds

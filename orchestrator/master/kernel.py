@@ -21,7 +21,7 @@ from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
 from orchestrator.master.faults import Faults
-from orchestrator.master.layout import Part
+from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, carry, views
 from orchestrator.master.recorder import CHUNK, Table
 from orchestrator.master.schedule import Stretch
@@ -76,6 +76,9 @@ class Kernel:
         self._programs: list[c.Program] = []
         self._known: dict[int, tuple[int, Program]] = {}
         tick = timetable.schedule.tick
+        self._injections = self._array(
+            c.Injection, [self._injection(i) for i in timetable.wiring.injected]
+        )
         faults = Faults(timetable.wiring, timetable.schedule, vector)
         sources = [*parts, ""]
         self._kernel = c.Kernel(
@@ -86,6 +89,7 @@ class Kernel:
             tick_den=tick.denominator,
             profiled=profiled,
             noted=place(),
+            injections=addressof(self._injections),
         )
 
     def run(self) -> Iterator[int]:
@@ -223,6 +227,21 @@ class Kernel:
             ticker=self._ticker(instance),
         )
 
+    def _injection(self, injected: Injected) -> c.Injection:
+        first, every = self._timetable.publications(injected)
+        values = np.array(injected.values)
+        start = self._vector[injected.place : injected.place + 1].copy()
+        self._kept += [values, start]
+        sink = self._at(injected.place)
+        return c.Injection(
+            sink=sink,
+            before=sink if injected.driven else start.ctypes.data,
+            values=values.ctypes.data,
+            n=len(values),
+            first=first,
+            every=every,
+        )
+
     def _ticker(self, instance: Instance) -> int | None:
         if not isinstance(instance, ClockedInstance):
             return None
@@ -274,4 +293,6 @@ class Kernel:
         targets = self._target_row if op.code == "row" else self._target
         if op.code == "fault" and not op.target:
             return c.Op(_CODES["fault"], len(targets))
+        if op.code == "inject":
+            return c.Op(_CODES["inject"], int(op.target))
         return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)

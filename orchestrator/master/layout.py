@@ -96,6 +96,24 @@ class Faulty:
 
 
 @dataclass(frozen=True)
+class Injected:
+    """A place of an input to which values, in the FMU's numbers, are added.
+
+    ``of`` is the component at whose instants this happens: the source of the
+    connection, or the component itself if nothing drives the input.
+    """
+
+    of: str
+    component: str
+    place: int
+    values: tuple[float, ...]
+
+    @property
+    def driven(self) -> bool:
+        return self.of != self.component
+
+
+@dataclass(frozen=True)
 class Column:
     """A recorded number: its name and unit, where it stands, when it is published.
 
@@ -125,6 +143,7 @@ class Wiring:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
     faulty: tuple[Faulty, ...] = ()
+    injected: tuple[Injected, ...] = ()
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
@@ -141,6 +160,7 @@ class Layout:
         fmus: Mapping[str, FmuDescription],
         links: Sequence[Link],
         recorded: Mapping[str, Sequence[Port]],
+        injected: Sequence[Port] = (),
     ) -> None:
         self.system, self.fmus, self.links, self.size = system, fmus, links, 0
         self.input_at: dict[tuple[str, str], int] = {}
@@ -148,7 +168,7 @@ class Layout:
         self.places: dict[str, tuple[int, int, int, int]] = {}
         self.inputs: dict[str, tuple[FmuVariable, ...]] = {}
         self.read: dict[str, tuple[FmuVariable, ...]] = {}
-        sinks = [t for _, t, _ in links]
+        sinks = [*(t for _, t, _ in links), *injected]
         self.source_of = {
             (t.component, t.variable.name, t.element): s.component for s, t, _ in links
         }

@@ -11,7 +11,9 @@ At instant k (time t):
    then ``write`` for the continuous components stepped at this instant;
 4. ``row``: tables due are recorded; at the stop all of them.
 
-What a component with faults on its connections copies is followed by ``fault``.
+What a component with faults on its connections copies is followed by ``fault``,
+before it by ``inject`` where something is added to it; an input that nothing drives
+has its ``inject`` before the ``write`` of its component, where that is due.
 
 At instant 0 no component is advanced: initialisation has made its outputs.
 Equal situations share one program; executors compile each only once.
@@ -23,17 +25,27 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Literal, NamedTuple
 
-from orchestrator.master.layout import Edge, Faulty, Part, Wiring
+from orchestrator.master.layout import Edge, Faulty, Injected, Part, Wiring
 from orchestrator.master.order import running_order
 from orchestrator.master.schedule import Clock, Schedule, Stretch
 
 Code = Literal[
-    "advance", "read", "copy", "release", "write", "tick", "hold", "row", "fault"
+    "advance",
+    "read",
+    "copy",
+    "release",
+    "inject",
+    "write",
+    "tick",
+    "hold",
+    "row",
+    "fault",
 ]
 
 
 class Op(NamedTuple):
-    """One operation on a component (or on a table, for ``row``).
+    """One operation on a component (on a table for ``row``, on an injected input,
+    by its number, for ``inject``).
 
     ``fault`` follows what its target published; without one all are renewed.
 
@@ -172,11 +184,14 @@ class Timetable:
         ticking = [parts[name] for name in self.order if mask & bit[name]]
         ops += [Op("release", p.name) for p in ticking if p.component.latency]
         for part in ticking:
+            ops += self._injections(part.name, driven=False)
             ops.append(Op("write", part.name))
             ops.append(Op("tick", part.name, 0, float(part.component.period)))
             ops.append(Op("read", part.name))
             ops.append(Op("hold" if part.component.latency else "copy", part.name))
         for part, back in zip(self.continuous, backs, strict=True):
+            if mask & bit[part.name] and not ending:
+                ops += self._injections(part.name, driven=False)
             if (back or first) and not ending:
                 ops.append(Op("write", part.name))
         for period in self.wiring.tables:
@@ -184,7 +199,7 @@ class Timetable:
             if mask & bit[name] or ending:
                 ops.append(Op("row", name))
         done = [op for op in ops if self._does_something(op)]
-        return tuple(followed for op in done for followed in self._with_fault(op))
+        return tuple(followed for op in done for followed in self._followed(op))
 
     @cached_property
     def _switches(self) -> dict[str, Fraction]:
@@ -193,14 +208,22 @@ class Timetable:
         times = sorted({t for f in faulty for t in switches(f) if t <= stop})
         return {_switch_name(t): t for t in times}
 
-    def _with_fault(self, op: Op) -> tuple[Op, ...]:
+    def _followed(self, op: Op) -> tuple[Op, ...]:
+        if op.code not in ("copy", "release"):
+            return (op,)
         sources = {faulty.edge.source for faulty in self.wiring.faulty}
-        if op.code in ("copy", "release") and op.target in sources:
-            return op, Op("fault", op.target)
-        return (op,)
+        faults = [Op("fault", op.target)] if op.target in sources else []
+        return op, *self._injections(op.target, driven=True), *faults
+
+    def _injections(self, of: str, *, driven: bool) -> list[Op]:
+        return [
+            Op("inject", str(i))
+            for i, place in enumerate(self.wiring.injected)
+            if place.of == of and place.driven == driven
+        ]
 
     def _does_something(self, op: Op) -> bool:
-        if op.code in ("row", "fault"):
+        if op.code in ("row", "fault", "inject"):
             return True
         part = self.wiring.parts[op.target]
         if op.code == "write":
@@ -210,6 +233,12 @@ class Timetable:
         if op.code == "copy":
             return bool(part.copies)
         return True
+
+    def publications(self, injected: Injected) -> tuple[int, int]:
+        """Return the first publication of an injection and their distance (ticks)."""
+        component = self.wiring.parts[injected.of].component
+        tick = self.schedule.tick
+        return int(component.offset / tick), int(component.period / tick)
 
 
 def switches(faulty: Faulty) -> frozenset[Fraction]:

@@ -16,6 +16,7 @@ from orchestrator.master.layout import (
     Column,
     Edge,
     Faulty,
+    Injected,
     Layout,
     Link,
     Wiring,
@@ -34,7 +35,7 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
     """
     for name, component in system.components.items():
         _check_component(system, component, fmus[name])
-    links, notes, warnings = _links(system, fmus)
+    links, notes, warnings = links_of(system, fmus)
     for name, component in system.components.items():
         warnings += _experiment_notes(component, fmus[name])
     recorded = {
@@ -48,7 +49,8 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
                     f"record.{name!r}: {port.full_name} is {port.variable.kind}, and "
                     f"texts are not recorded; remove it from [record]"
                 )
-    layout = Layout(system, fmus, links, recorded)
+    injected = {name: _injected_port(system, fmus, name) for name in system.injections}
+    layout = Layout(system, fmus, links, recorded, list(injected.values()))
     parts = {name: layout.part(name) for name in system.components}
     taken = [port for found in recorded.values() for port in found]
     taken += _written(system, fmus)
@@ -71,6 +73,7 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         tuple(notes),
         tuple(dict.fromkeys(warnings)),
         tuple(_faulty(system, fmus, layout)),
+        tuple(_injected(system, layout, injected)),
     )
 
 
@@ -119,6 +122,41 @@ def _faulty(
             _refuse_override(where, port, faults, fmus[port.component])
             place = layout.input_at[key] + port.element
             yield Faulty(edge, place, port.variable.dtype, port.to_theirs, faults)
+
+
+def _injected_port(
+    system: System, fmus: Mapping[str, FmuDescription], name: str
+) -> Port:
+    """Return the one real input that an injection names.
+
+    Raises:
+        WiringError: it is none, or several.
+    """
+    where = f"injections.{name!r}"
+    found = _ports_of(system, fmus, name, where)
+    if len(found) != 1:
+        raise WiringError(
+            f"{where}: stands for {len(found)} numbers; name one, such as "
+            f"{found[0].full_name if found else name}"
+        )
+    v = found[0].variable
+    if v.causality != "input" or v.sort != "real" or v.dtype != "float64":
+        raise WiringError(
+            f"{where}: a {v.sort} {v.causality}; signals are injected at real inputs"
+        )
+    return found[0]
+
+
+def _injected(
+    system: System, layout: Layout, ports: Mapping[str, Port]
+) -> Iterator[Injected]:
+    for name, port in ports.items():
+        key = (port.component, port.variable.name)
+        of = layout.source_of.get((*key, port.element), port.component)
+        gain = port.to_theirs.gain
+        values = tuple(gain * v for v in system.injections[name].values)
+        place = layout.input_at[key] + port.element
+        yield Injected(of, port.component, place, values)
 
 
 def _refuse_override(
@@ -213,9 +251,14 @@ def _experiment_notes(c: Component, fmu: FmuDescription) -> Iterator[str]:
         )
 
 
-def _links(
+def links_of(
     system: System, fmus: Mapping[str, FmuDescription]
 ) -> tuple[list[Link], list[str], list[str]]:
+    """Return every number that is connected, notes and what is a guess.
+
+    Raises:
+        WiringError: names, types or units do not fit, or an input is driven twice.
+    """
     links: list[Link] = []
     notes: list[str] = []
     warnings: list[str] = []

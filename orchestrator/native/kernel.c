@@ -13,6 +13,7 @@
        WRITE    set all inputs
        HOLD     put raw into the latency line, publish what is not delayed
        ROW      append time and columns to a table
+       INJECT   add the next value of a signal to an input
        FAULT    let Python renew faulty inputs (orchestrator/master/faults.py)
 
    kernel_run returns how many instants it finished.  It stops early when a table
@@ -35,7 +36,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW, FAULT };
+enum { STEP, READ, COPY, RELEASE, WRITE, HOLD, ROW, FAULT, INJECT };
 
 static double seconds(const Kernel *kernel, int64_t k) {
     return (double)(k * kernel->tick_num) / (double)kernel->tick_den;
@@ -100,6 +101,10 @@ static int release(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     return copy(kernel, p, op, k);
 }
 
+static void inject(const Injection *i, int64_t k) {
+    *i->sink = *i->before + i->values[(k - i->first) / i->every % i->n];
+}
+
 static ALWAYS_INLINE void record(Kernel *kernel, const Table *table, double t) {
     int64_t row = (*table->count)++;
     double *place = table->columns + row;
@@ -124,8 +129,13 @@ static ALWAYS_INLINE double start_of(const Kernel *kernel, const Now *now,
 
 /* Returns 0 if the operation fails. */
 static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now) {
-    Part *p = kernel->parts + op->target;
     int64_t k = now->k;
+    Part *p;
+    if (op->code == INJECT) {
+        inject(kernel->injections + op->target, k);
+        return 1;
+    }
+    p = kernel->parts + op->target;
     if (kernel->noted) {
         kernel->noted[0] = op->target;
         kernel->noted[1] = op->code;

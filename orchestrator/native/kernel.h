@@ -75,7 +75,7 @@ typedef struct {
 } Table;
 
 typedef struct {
-    int32_t code, target; /* a part, or a table */
+    int32_t code, target; /* a part, a table or an injection */
     int64_t back;
     double h;
 } Op;
@@ -84,6 +84,14 @@ typedef struct {
     const Op *ops;
     size_t n;
 } Program;
+
+/* values[i mod n], at publication i, added to what `before` holds: the sink itself,
+   or what it began with. */
+typedef struct {
+    double *sink;
+    const double *before, *values;
+    int64_t n, first, every; /* ticks */
+} Injection;
 
 typedef struct {
     Part *parts;
@@ -100,6 +108,7 @@ typedef struct {
     int64_t readings; /* as in Part, for everything that is not in an FMU */
     double spent;
     int32_t *noted; /* NULL, or where part and operation are noted beforehand */
+    const Injection *injections;
 } Kernel;
 
 typedef struct {

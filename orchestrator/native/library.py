@@ -14,7 +14,7 @@ from fmus.cache import cache_folder
 from fmus.compile import compile_alone, host_platform
 
 SOURCES = sorted(Path(__file__).parent.glob("*.[ch]"))
-CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault")
+CODES = ("step", "read", "copy", "release", "write", "hold", "row", "fault", "inject")
 FAILURES = (
     *("", "step", "get", "set", "not finite", "does not fit", "tick", "copy"),
     "ended",
@@ -162,6 +162,19 @@ class Program(ctypes.Structure):
     _fields_: ClassVar[Any] = [("ops", c_void_p), ("n", c_size_t)]
 
 
+class Injection(ctypes.Structure):
+    """Values added to an input."""
+
+    _fields_: ClassVar[Any] = [
+        ("sink", c_void_p),
+        ("before", c_void_p),
+        ("values", c_void_p),
+        ("n", c_int64),
+        ("first", c_int64),
+        ("every", c_int64),
+    ]
+
+
 FaultFunction = ctypes.CFUNCTYPE(None, c_int32, c_int64)
 
 
@@ -187,6 +200,7 @@ class Kernel(ctypes.Structure):
         ("readings", c_int64),
         ("spent", c_double),
         ("noted", c_void_p),
+        ("injections", c_void_p),
     ]
 
 

@@ -37,7 +37,7 @@ from orchestrator.scenario.component import ComponentSpec
 from orchestrator.scenario.written import in_floats, parse_scalar, parse_value
 from orchestrator.system import FaultKind, split_name
 
-_RESERVED = (
+RESERVED = (
     *("stop", "fmi", "rates", "design", "base", "faults"),
     *("metrics", "record", "connections"),
 )
@@ -206,10 +206,10 @@ class Specification(Strict):
     @classmethod
     def _plain_names(cls, value: dict[str, ComponentSpec]) -> dict[str, ComponentSpec]:
         for name in value:
-            if not re.fullmatch(r"[A-Za-z_]\w*", name) or name in _RESERVED:
+            if not re.fullmatch(r"[A-Za-z_]\w*", name) or name in RESERVED:
                 raise ValueError(
                     f"{name!r} cannot name a component: letters, digits and _ only, "
-                    f"and none of {', '.join(_RESERVED)}"
+                    f"and none of {', '.join(RESERVED)}"
                 )
         return value
 

@@ -23,8 +23,10 @@ QUIET = (
 
 
 @cache
-def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
-    """Return Instance, Line, Faulty, Rows and Engine for W lanes, as C lays them out.
+def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Return what engine.h declares, for W lanes, as C lays it out.
+
+    In this order: Instance, Line, Faulty, Rows, Engine, Injected.
 
     Vectors stand at multiples of their own size.
     """
@@ -62,10 +64,20 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
             *_padding(8 * lanes + 16, lanes),
         ]
 
+    class Injected(ctypes.Structure):
+        _fields_: ClassVar[Any] = [
+            ("began", number),
+            ("values", c_void_p),
+            ("n", c_int64),
+            ("first", c_int64),
+            ("every", c_int64),
+            *_padding(8 * lanes + 32, lanes),
+        ]
+
     class Rows(ctypes.Structure):
         _fields_: ClassVar[Any] = [("values", c_void_p), ("count", c_int64)]
 
-    engine_size = _whole(56, lanes) + 8 * lanes + _even(4 * lanes) + 8 * lanes + 16
+    engine_size = _whole(64, lanes) + 8 * lanes + _even(4 * lanes) + 8 * lanes + 16
 
     class Engine(ctypes.Structure):
         _fields_: ClassVar[Any] = [
@@ -73,10 +85,11 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
             ("parts", c_void_p),
             ("faults", c_void_p),
             ("rows", c_void_p),
+            ("injections", c_void_p),
             ("kernel", c_void_p),
             ("tick_num", c_int64),
             ("tick_den", c_int64),
-            *_padding(56, lanes, "before"),
+            *_padding(64, lanes, "before"),
             ("alive", number),
             ("failed_part", c_int32 * lanes),
             ("failed_at", c_int64 * lanes),
@@ -86,7 +99,7 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
             *_padding(engine_size, lanes),
         ]
 
-    return Instance, Line, Faulty, Rows, Engine
+    return Instance, Line, Faulty, Rows, Engine, Injected
 
 
 def _whole(size: int, lanes: int) -> int:
@@ -102,6 +115,7 @@ def _padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]
     return [(name, ctypes.c_char * missing)] if missing else []
 
 
+@cache
 def load(text: str, lanes: int) -> Any:
     """Return the library of a source for W lanes; compiled first if it was not yet.
 
@@ -120,7 +134,7 @@ def load(text: str, lanes: int) -> Any:
             if file.suffix == ".h" or file.name == "kernel.c":
                 sources[name] = file.read_text(encoding="utf-8")
     else:
-        flags += ["-mcpu=native", f"-DHOST_{_processor()}"]
+        flags += ["-mcpu=native", f"-DHOST_{processor()}"]
     built = compile_alone(
         "fused", sources, host_platform(), cache_folder() / "fused", flags=flags
     )
@@ -144,7 +158,7 @@ def load(text: str, lanes: int) -> Any:
 
 
 @cache
-def _processor() -> str:
+def processor() -> str:
     """Return a name of this processor's instructions, for the cache."""
     from hashlib import sha256
 

@@ -44,7 +44,7 @@ class Memory:
         rows: Mapping[str, FloatArray],
         kernel: Any = None,
     ) -> None:
-        instance, self._line, faulty, table, engine = structures(lanes)
+        instance, self._line, faulty, table, engine, injected_place = structures(lanes)
         self.lanes, self.vector = lanes, vector
         self._kept: list[Any] = [vector, rows, kernel]
         self.values = {
@@ -60,6 +60,14 @@ class Memory:
         self._faults = self._array(faulty, len(source.wiring.faulty))
         for i, place in enumerate(source.wiring.faulty):
             self._faults[i].memory = self._zeros((max(1, memory_of(place)), lanes))
+        self._injections = self._array(injected_place, len(source.wiring.injected))
+        for i, injected in enumerate(source.wiring.injected):
+            values = np.array(injected.values)
+            self._kept.append(values)
+            self._injections[i].values = values.ctypes.data
+            self._injections[i].n = len(values)
+            first, every = source.timetable.publications(injected)
+            self._injections[i].first, self._injections[i].every = first, every
         self.rows = self._array(table, len(source.tables))
         for name, i in source.tables.items():
             if name in rows:
@@ -69,6 +77,7 @@ class Memory:
         self.engine.vector = vector.ctypes.data
         self.engine.parts = ctypes.addressof(self._parts)
         self.engine.faults = ctypes.addressof(self._faults)
+        self.engine.injections = ctypes.addressof(self._injections)
         self.engine.rows = ctypes.addressof(self.rows)
         if kernel is not None:
             self.engine.kernel = ctypes.addressof(kernel)

@@ -124,6 +124,8 @@ class Source:
             yield from self._fault_calls(op.target)
         elif op.code == "row":
             yield from self._row(op.target)
+        elif op.code == "inject":
+            yield self._injection(int(op.target))
         elif op.target not in self.own:
             yield self._call(op)
         elif op.code in ("advance", "tick"):
@@ -138,6 +140,12 @@ class Source:
             if op.code == "release":
                 yield from released(self.own[op.target])
             yield from self._copied(self.own[op.target].part.copies)
+
+    def _injection(self, i: int) -> str:
+        injected = self.wiring.injected[i]
+        sink = f"z[{injected.place}]"
+        before = sink if injected.driven else f"e->injections[{i}].began"
+        return f"{sink} = {before} + injected_at(e->injections + {i}, k);"
 
     def _call(self, op: Op) -> str:
         target = self.parts.index(op.target)
@@ -216,6 +224,8 @@ class Source:
                 f"        e->parts[{own.index}].held[i] = "
                 f"z[{own.part.raw} + i % {max(n, 1)}];"
             )
+        for i, injected in enumerate(self.wiring.injected):
+            yield f"    e->injections[{i}].began = z[{injected.place}];"
         yield from (f"    begin_fault_{i}(e);" for i in range(len(self.wiring.faulty)))
         yield "}"
         yield "EXPORTED void engine_adopt(Engine *e) {"

@@ -48,6 +48,17 @@ typedef struct {
     size_t head;
 } Faulty;
 
+/* Values added to an input: to itself, or to what it `began` with. */
+typedef struct {
+    V began;
+    const double *values;
+    int64_t n, first, every; /* ticks */
+} Injected;
+
+static inline double injected_at(const Injected *i, int64_t k) {
+    return i->values[(k - i->first) / i->every % i->n];
+}
+
 /* Rows of one period: column c of row r of lane i at values[(r * n + c) * W + i]. */
 typedef struct {
     V *values;
@@ -59,6 +70,7 @@ typedef struct {
     Instance *parts;
     Faulty *faults;
     Rows *rows;
+    Injected *injections;
     void *kernel; /* of kernel.h, for FMUs that stay calls; else NULL */
     int64_t tick_num, tick_den; /* s */
     V alive;                    /* 1 in the lanes that go on */

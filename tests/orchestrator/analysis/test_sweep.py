@@ -13,6 +13,7 @@ from foreign import foreign
 from typer.testing import CliRunner
 
 from orchestrator.analysis import members
+from orchestrator.analysis import width as measured
 from orchestrator.analysis.breaks import until_breaks
 from orchestrator.analysis.members import Job, Workers
 from orchestrator.analysis.sweep import sweep
@@ -242,3 +243,19 @@ def test_three_workers_of_which_one_is_killed_give_the_same_members(
     )
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout.splitlines()[-1]) == [True, 6, ["cluster"]]
+
+
+def test_the_width_is_measured_once_and_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(measured, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(measured, "WIDTHS", (2, 4))
+    measured.width.cache_clear()
+    found = measured.width()
+    assert found in (2, 4)
+    (kept,) = (tmp_path / "fused").iterdir()
+    assert kept.read_text() == str(found)
+    kept.write_text("8")
+    measured.width.cache_clear()
+    assert measured.width() == 8
+    measured.width.cache_clear()

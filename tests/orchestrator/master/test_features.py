@@ -18,7 +18,7 @@ from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.result import Result, Signal
 from orchestrator.signals.recording import Recording, play
-from orchestrator.system import Component, Fault, Isolation, Mapped, System
+from orchestrator.system import Component, Fault, Injection, Isolation, Mapped, System
 
 PAGE = Path(__file__).parents[3] / "docs" / "executors.md"
 SMALL = Path(__file__).parents[2] / "fmus" / "small_models"
@@ -66,6 +66,22 @@ def all_faults() -> System:
     late = Fault("delay", 0.0, 2, Fraction(0), None)
     stuck = Fault("stuck", 0.0, 0, Fraction(8, 1000), None)
     return faulty(*laws, late, stuck)
+
+
+def injected(where: str) -> System:
+    """A signal of three values at a connection behind a latency, or at a free input."""
+    given = pair(map={"u": Mapped("u", -2.0, 0.5)}, latency=1)
+    if where == "free":
+        given = replace(given, connections={})
+    return replace(given, injections={"b.u": Injection((0.1, -0.7, 1.3))})
+
+
+def injected_continuous() -> System:
+    given = unsplit()
+    split = replace(given.components["plant"], split=None)
+    parts = {**given.components, "plant": split}
+    signal = Injection((1.0, 2.0, 4.0))
+    return replace(given, components=parts, injections={"plant.u": signal})
 
 
 def clocked() -> System:
@@ -168,6 +184,9 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "one signal at several rates": lambda _: twice(),
     "dead time and own integration": lambda _: lag(),
     "faults": lambda _: all_faults(),
+    "injection at a connection": lambda _: injected("connection"),
+    "injection between steps": lambda _: injected_continuous(),
+    "injection at a free input": lambda _: injected("free"),
     "initial circle by substitution": lambda _: circle(0.5),
     "initial circle by Newton": lambda _: circle(2.0),
     "FMI 3 clock": lambda _: clocked(),
