@@ -29,6 +29,7 @@ from orchestrator.instances.guard import guards, stand_guard
 from orchestrator.instances.spawn import stand_alone
 from orchestrator.master.layout import Part
 from orchestrator.master.timetable import Timetable
+from orchestrator.quantities.quantity import exact
 from orchestrator.result import End, Result, Timing
 from orchestrator.system import System
 from orchestrator.warned import collecting, warn
@@ -85,7 +86,7 @@ def simulate_apart(
             if kind == "warned":
                 warn(value)
             elif kind == "reached" and progress:
-                progress(Fraction(value))
+                progress(exact(value))
             elif kind == "error":
                 raise value
             elif kind == "finished":
