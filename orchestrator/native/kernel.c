@@ -146,6 +146,7 @@ static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now)
     if (kernel->noted) {
         kernel->noted[0] = op->target;
         kernel->noted[1] = op->code;
+        kernel->noted[2] = (int32_t)((uint32_t)kernel->noted[2] + 1);
     }
     switch (op->code) {
     case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));

@@ -108,7 +108,7 @@ typedef struct {
     double h;
     int64_t readings; /* as in Part, for everything that is not in an FMU */
     double spent;
-    int32_t *noted; /* NULL, or where part and operation are noted beforehand */
+    int32_t *noted; /* NULL, or where part, operation, count are noted */
     const Injection *injections;
     Faulty *faulty;
     size_t n_faulty;
