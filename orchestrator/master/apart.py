@@ -44,12 +44,15 @@ _INSIDE: list[bool] = []
 
 def let_in(timetable: Timetable) -> list[str]:
     """Return the FMUs of others that run in the process of the run, none inside it."""
-    parts = timetable.wiring.parts.items()
+    return [] if _INSIDE else _foreign(timetable)
+
+
+def _foreign(timetable: Timetable) -> list[str]:
     return [
         name
-        for name, part in parts
+        for name, part in timetable.wiring.parts.items()
         if part.component.isolation.process is False and not is_trusted(part.fmu.path)
-    ] * (not _INSIDE)
+    ]
 
 
 def simulate_apart(
@@ -175,6 +178,8 @@ def _died(child: Child, file: Path, timetable: Timetable) -> SimulationError:
     where, call = _doing(file, timetable)
     if where in timetable.wiring.parts:
         where += f" ({timetable.wiring.parts[where].fmu.path.name})"
+    else:
+        where = f"the run with {' and '.join(_foreign(timetable))} inside"
     return SimulationError(
         f"{where}: the process of the run {how} during {call}; isolation = "
         f'"none" lets this FMU into it: leave it out, and the FMU has its own'
