@@ -31,6 +31,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="with --hostile: let every call to the system fail, not those drawn",
     )
+    parser.addoption(
+        "--fuzz-examples",
+        type=int,
+        metavar="N",
+        help="with --hostile: examples for every reader that is fuzzed",
+    )
 
 
 @pytest.fixture(scope="session", autouse=True)
