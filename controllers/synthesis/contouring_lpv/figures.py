@@ -16,7 +16,7 @@ GRID = np.logspace(0, 4, 801)  # rad/s; sensitivities are told at its first
 
 def parameters() -> dict[str, float]:
     """Return Tables 8.1, 8.3 and 8.4 as they are used."""
-    found = {}
+    found: dict[str, float] = {}
     for name, axis in AXES.items():
         rigid = {n: getattr(axis, n) for n in ("k_a", "k_t", "p_t", "J_e", "B_e")}
         found |= {f"{n}.{name}": value for n, value in rigid.items()}
@@ -95,7 +95,7 @@ def sensitivity_in_space(q: float) -> dict[str, float]:
     K = np.array(
         [[np.interp(q, shipped["q"], column) for column in row] for row in gains.T]
     ).T
-    T = lqg.frame(q, lqg.Parameters().alpha_0)
+    T = lqg.along(np.array([q]))[0]
     n, k = len(F), len(A_w)
     A = np.block([[F - L @ C - G @ K[:, :n], -G @ K[:, n:]], [np.zeros((k, n)), A_w]])
     law = System(A, np.vstack([L, B_w @ T]), -K, np.zeros((3, 3)))
