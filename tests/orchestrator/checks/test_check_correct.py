@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from correct import correct, large, source_of
+from counting import calls
 from lxml import etree
 from rewritten import rewritten
 from typer.testing import CliRunner
@@ -244,6 +245,22 @@ def test_each_system_has_a_suffix_of_its_own(tmp_path: Path, platform: str) -> N
     named = [f.text for f in outcome(check_fmu(fmu, only=[10]), "10S").findings]
     expected = "there is no binaries/darwin32/correct.dylib"
     assert expected in named if two else "FMI 3 wants" in named[0]
+
+
+def test_the_work_to_show_variables_grows_with_their_number_only(
+    tmp_path: Path,
+) -> None:
+    files = {}
+    for number in (1, 100, 400):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        files[number] = str(large(folder, number, 3 * number))
+
+    def work(number: int) -> int:
+        return calls(lambda: CliRunner().invoke(app, ["info", files[number], "--json"]))
+
+    work(1)  # imports
+    assert 3 * work(100) < work(400) < 5 * work(100)
 
 
 def test_a_large_fmu_is_sampled_and_says_so(tmp_path: Path) -> None:
