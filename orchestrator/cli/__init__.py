@@ -25,6 +25,7 @@ from orchestrator.cli import (
     second_opinion,
     study,
     sweep,
+    verify,
 )
 
 app = typer.Typer(
@@ -62,6 +63,7 @@ for verb in (
     build.build,
     fmus.info,
     check.check,
+    verify.verify,
     run.schedule,
     run.run,
     runs.runs,
