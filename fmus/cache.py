@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from errno import ENOENT
 from hashlib import file_digest
 from pathlib import Path
 from time import time
@@ -26,9 +27,18 @@ LEFT = 3600.0  # s after which a folder of these was left by a process that was 
 
 
 def cache_folder() -> Path:
-    """Return the user's cache folder, or the one that FEEDDRIVE_CACHE names."""
-    chosen = os.environ.get("FEEDDRIVE_CACHE")
-    return Path(chosen) if chosen else platformdirs.user_cache_path("feeddrive")
+    """Return the user's cache folder, or the one that FEEDDRIVE_CACHE names.
+
+    Raises:
+        OSError: there is neither.
+    """
+    if chosen := os.environ.get("FEEDDRIVE_CACHE"):
+        return Path(chosen)
+    try:
+        return platformdirs.user_cache_path("feeddrive")
+    except RuntimeError:
+        why = "this user has no home folder; name one for what is built"
+        raise OSError(ENOENT, why, "FEEDDRIVE_CACHE") from None
 
 
 def digest(file: Path) -> str:

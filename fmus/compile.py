@@ -6,6 +6,7 @@ same bytes, wherever they are built.
 """
 
 import hashlib
+import os
 import platform as host
 import shutil
 import struct
@@ -17,7 +18,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 
-from fmus.cache import building, entry, publish
+from fmus.cache import building, cache_folder, entry, publish
 from fmus.native_source import adapter_sources, source_names
 
 FLAGS = (
@@ -242,8 +243,16 @@ def _write(folder: Path, sources: Mapping[str, str]) -> None:
 def _zig_cc(target: Platform, arguments: Sequence[str], folder: Path) -> None:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
     command += arguments
+    environment = dict(os.environ)
+    if "HOME" not in environment:  # where zig would keep what all builds share
+        environment.setdefault("ZIG_GLOBAL_CACHE_DIR", str(cache_folder() / "zig"))
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, errors="replace"
+        command,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=environment,
     )
     if done.returncode == 0:
         return

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from fmus.compile import CompileError
 from fmus.trust import is_trusted
-from orchestrator.errors import SimulationError
+from orchestrator.errors import ScheduleError, SimulationError, shown
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
@@ -48,6 +48,7 @@ from orchestrator.warned import warn
 LOG = logging.getLogger("feeddrive")
 _UNSAID = Isolation()
 NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
+LONGEST_LINE = 10_000_000  # numbers that one latency or delay holds back
 BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
@@ -193,9 +194,30 @@ def plan(system: System) -> Timetable:
     wiring: Wiring = wire(
         system, {n: sized(read_fmu(c.fmu), c) for n, c in system.components.items()}
     )
+    _refuse_long_lines(wiring)
     timetable = Timetable(wiring)
     _ = timetable.schedule, timetable.order
     return timetable
+
+
+def _refuse_long_lines(wiring: Wiring) -> None:
+    """Refuse what is held back for longer than there is memory for.
+
+    Raises:
+        ScheduleError: a latency or a delay has too many samples.
+    """
+    lines = {
+        f"components.{name}.latency": (part.component.latency, part.delayed)
+        for name, part in wiring.parts.items()
+    }
+    for name, faults in wiring.system.faults.items():
+        lines[f"faults.{name}"] = (max(fault.samples for fault in faults), 1)
+    for where, (samples, width) in lines.items():
+        if samples * width > LONGEST_LINE:
+            raise ScheduleError(
+                f"{where}: {samples} samples of {width} numbers would have to be "
+                f"kept; at most {LONGEST_LINE} numbers are"
+            )
 
 
 def open_instance(
@@ -234,7 +256,7 @@ def open_instance(
 
 def _log(name: str, message: LogMessage) -> None:
     level = logging.INFO if message.status == "OK" else logging.WARNING
-    LOG.log(level, "%s at t = %.9g s: %s", name, message.time, message)
+    LOG.log(level, "%s at t = %.9g s: %s", name, message.time, shown(str(message)))
 
 
 def _execute(
