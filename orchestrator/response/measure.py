@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import ResponseError
 from orchestrator.response.bench import Bench, bench
-from orchestrator.response.column import LINEAR, Column, column
+from orchestrator.response.column import Column, column
 from orchestrator.response.excitation import Form, Grid, grid
 from orchestrator.response.margins import Margins, margins, peak
 from orchestrator.scenario.compose import Composition
@@ -29,6 +29,7 @@ Complex = NDArray[np.complex128]
 LOWEST = Fraction(1)  # Hz
 SHAPED = 30.0  # times the smallest line at most
 STEP, STEPS = 4.0, 5  # of amplitudes that are tried
+GOOD = 1e-3  # distortion at which no other amplitude is looked for
 STEPPED = 40  # lines of a stepped sine
 ROUGH = 2  # realisations of a pass that only looks
 
@@ -176,14 +177,20 @@ class _Measurement:
         return column(self._bench, i, lines, shape, rms, self._form, most)
 
     def _amplitude(self, i: int, lines: Grid, shape: Real) -> float:
-        """Return the amplitude with the least distortion, from a small one upwards."""
+        """Return the amplitude with the least distortion, from a small one upwards.
+
+        None is larger than the range of the signal without injection, if it moves.
+        """
         twin = self._bench.twin(self._n, 1)[i]
-        size = float(np.ptp(twin)) / 50 or self._declared(i)
+        moved = float(np.ptp(twin))
+        size = moved / 50 or self._declared(i)
         best = self._column(i, lines, shape, size, 1).distortion
         for factor in (STEP, 1 / STEP):
             tried, steps = size, 0
-            while best > LINEAR and steps < STEPS:
+            while best > GOOD and steps < STEPS:
                 tried, steps = tried * factor, steps + 1
+                if moved and tried > moved:
+                    break
                 now = self._column(i, lines, shape, tried, 1).distortion
                 if now > best / 1.2:
                     break
