@@ -21,6 +21,7 @@ from typing import TypeAlias
 
 from fmus.compile import CompileError
 from orchestrator.analysis.variations import Assignment, Setting
+from orchestrator.analysis.width import width
 from orchestrator.errors import (
     FeedDriveError,
     ProcessEnded,
@@ -73,21 +74,6 @@ class Job:
 
 Work: TypeAlias = Callable[[Sequence[Job]], list[Outcome]]
 Outcomes: TypeAlias = Iterator[Outcome]
-
-
-def lanes_here() -> int:
-    """Return how many lanes a vector of this processor has, times two to four.
-
-    Twice the width of its registers was the fastest measured: with 512 bits
-    W = 16, with 256 bits W = 8.
-    """
-    from pathlib import Path
-
-    info = Path("/proc/cpuinfo")
-    flags = info.read_text().split() if info.is_file() else []
-    if "avx512f" in flags:
-        return 16
-    return 8 if "avx2" in flags else 4
 
 
 def cores() -> int:
@@ -153,7 +139,7 @@ class Group:
         self.executor = "kernel"
         if count >= MANY:
             with suppress(SimulationError, CompileError):
-                self._lanes = Lanes(self._timetable, self._signals, lanes_here())
+                self._lanes = Lanes(self._timetable, self._signals, width())
                 self.executor = "lanes"
 
     def run(self, jobs: Sequence[Job]) -> Outcomes:
@@ -161,7 +147,7 @@ class Group:
         work: Work = self._loaded
         size = min(SMALL, -(-len(jobs) // cores()))
         if self.executor == "lanes":
-            work, size = self._in_lanes, 2 * lanes_here()
+            work, size = self._in_lanes, 2 * width()
         batches = (jobs[i : i + size] for i in range(0, len(jobs), size))
         yield from self._workers.carry_out(work, batches)
 

@@ -24,14 +24,11 @@ from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantities.quantity import Quantity
 from orchestrator.quantities.unit import Unit
 from orchestrator.result import Result
+from orchestrator.scenario.component import MapSpec
 from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
-from orchestrator.scenario.schema import (
-    DesignSpec,
-    FaultSpec,
-    MapSpec,
-)
+from orchestrator.scenario.schema import DesignSpec, FaultSpec
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.swapped import (
     refuse_lost_inputs,

@@ -35,14 +35,16 @@ def exactness(folder: Path) -> list[str]:
     exact = [8000.0, 1.25e-4, 5000.0, 2e-4]
     lines.append(_line("exact", exact))
     for executor in ("kernel", "python"):
-        rows = {f"{n}.{v}": T for n, T in PERIODS.items() for v in ("steps", "length")}
+        rows = {
+            f"{n}.{v}": (T,) for n, T in PERIODS.items() for v in ("steps", "length")
+        }
         components = {n: Component(n, fmu, T) for n, T in PERIODS.items()}
         given = System("mixed", Fraction(1), components, {}, rows)
         found = simulate(given, folder / executor, executor=executor)
         lines.append(_line(executor, [float(found[name].values[-1]) for name in rows]))
     base = min(PERIODS.values())
     components = {n: Component(n, fmu, base) for n in PERIODS}
-    rows = {f"{n}.{v}": base for n in PERIODS for v in ("steps", "length")}
+    rows = {f"{n}.{v}": (base,) for n in PERIODS for v in ("steps", "length")}
     one_rate: dict[str, Any] = peer_job(
         plan(System("one rate", Fraction(1), components, {}, rows)).wiring
     )

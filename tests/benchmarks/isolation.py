@@ -80,7 +80,7 @@ def main(n: int, apart: int, steps: int) -> None:
     fmu = build(str(LAG))
     components = {name: Component(name, fmu, T, isolation=where) for name in names}
     wires = {f"{name}.u": f"{names[i - 1]}.y" for i, name in enumerate(names)}
-    ring = System("ring", steps * T, components, wires, {"lag_0.y": 20 * T})
+    ring = System("ring", steps * T, components, wires, {"lag_0.y": (20 * T,)})
     with tempfile.TemporaryDirectory() as folder:
         timing = simulate(ring, Path(folder) / "run").timing
     print(1e6 * timing.wall_s / (steps * n))

@@ -88,7 +88,7 @@ def _instantiate(i: int, part: Part, fmu: str, folder: Path) -> Iterator[str]:
         for offset, value in enumerate(values):
             kind = "int" if variable.fmi_type == "Boolean" else "double"
             setter = "set_boolean" if kind == "int" else "set"
-            number = int(value) if kind == "int" else value.hex()
+            number = int(value) if kind == "int" else float(value).hex()
             yield f"    {{ unsigned r = {variable.reference + offset};"
             yield f"      {kind} x = {number};"
             yield f"      CHECK({fmu}.{setter}(c{i}, &r, 1, &x)); }}"

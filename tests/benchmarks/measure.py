@@ -97,7 +97,7 @@ def _contained(workload: str, steps: int, folder: Path) -> Path:
     )
     period = Fraction(*job["period"])
     fmu = Component("container", place / "container.fmu", period)
-    rows = {f"container.seen.{c}.{v}": period for c, v, *_ in job["signals"]}
+    rows = {f"container.seen.{c}.{v}": (period,) for c, v, *_ in job["signals"]}
     given = System("container", steps * period, {"container": fmu}, {}, rows)
     return compiled(given, place / "loop")
 
@@ -130,6 +130,7 @@ def _told(command: list[str], job: str = "") -> Run:
 RUNNERS: Mapping[str, Callable[[str, int, Path], Run]] = {
     "C loop": limit,
     "kernel": ours("kernel"),
+    "fused": ours("fused"),
     "python executor": ours("python"),
     "fmucontainer": container,
     "ecos": peer("ecospy", "ecos.py"),

@@ -40,7 +40,7 @@ def ring(n: int, steps: int) -> System:
             for i, name in enumerate(names)
         },
         {f"{name}.u": f"{names[i - 1]}.y" for i, name in enumerate(names)},
-        dict.fromkeys((f"{name}.y" for name in names), T),
+        dict.fromkeys((f"{name}.y" for name in names), (T,)),
     )
 
 

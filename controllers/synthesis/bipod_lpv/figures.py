@@ -36,11 +36,10 @@ def hysteresis() -> dict[str, float]:
     }
 
 
-def smooth_switching() -> dict[str, float]:
+def smooth_switching(name: str = "k_smooth") -> dict[str, float]:
     """Return the dense γ of the smooth design and of its table, η before and after.
 
     η is in the single design's units and the states of ``smooth.UNIT``.
     """
-    begun = smooth.start(designs.read("k_single"))
-    content = designs.smooth_content()
+    begun, content = designs.smooth_start(name), designs.smooth_content(name)
     return smooth_file.verified(content, begun, designs.NAMES, smooth.dense())

@@ -23,8 +23,8 @@ DECAY = 1.0  # 1/s
 
 
 def problem(weights: single.Weights = single.PRINTED) -> Switching:
-    """Return what the descent is told."""
-    p = Links()
+    """Return what the descent is told; calibrated weights need more room per step."""
+    p, printed = Links(), weights == single.PRINTED
     return Switching(
         plant=lambda rho: single.plant(rho, weights, p),
         low=float(np.deg2rad(LOW_DEG)),
@@ -33,11 +33,13 @@ def problem(weights: single.Weights = single.PRINTED) -> Switching:
         P_basis=single.BASIS,
         points=points(BELOW_DEG, INSIDE, ABOVE),
         decay=DECAY,
+        back_off=1.01 if printed else 1.03,
+        least=1e-4 if printed else 1e-2,
     )
 
 
-def start(design: Design) -> Smooth:
-    """Return step 0 from a single LPV design."""
+def start(design: Design, weights: single.Weights = single.PRINTED) -> Smooth:
+    """Return step 0 from the single LPV design of the same weights."""
     fits = [
         [
             (float(phi), v)
@@ -46,7 +48,7 @@ def start(design: Design) -> Smooth:
         ]
         for ends in ((10.0, HIGH_DEG), (LOW_DEG, 80.0))
     ]
-    return begin(problem(), design, UNIT, fits)
+    return begin(problem(weights), design, UNIT, fits)
 
 
 def points(below_deg: tuple[float, ...], inside: int, above: int) -> tuple[Sided, ...]:

@@ -7,8 +7,8 @@
     1  K fixed: the least γ and P          2  P fixed: the least γ and K
 
 P has a slope on either side of the transition's ends: the inequality is demanded for
-both.  Each least γ is backed off by 1 % and a margin maximised, or the next step has
-nowhere to go.  What holds at the points may fail between: ``certified`` tells.
+both.  Each least γ is backed off a little and a margin maximised, or the next step
+has nowhere to go.  What holds at the points may fail between: ``certified`` tells.
 
 Source: Hanifzadegan 2014, sec. 6.2, 6.3, eq. 6.14, 6.19, 6.35 to 6.40.
 """
@@ -28,9 +28,6 @@ from controllers.synthesis.lpv.reconstruction import controller
 from controllers.synthesis.lpv.systems import Matrix, System, transformed
 from controllers.synthesis.lpv.transition import share
 
-BACK_OFF = 1.01
-LEAST_P = 1e-4  # P stays above this, where the start's P is the unit
-
 
 class Sided(NamedTuple):
     """A value of ρ with one rate; ``side`` ±1 tells which slope an end takes."""
@@ -45,7 +42,8 @@ class Switching:
     """What a descent is told besides its start.
 
     The first parameter switches between ``low`` and ``high``; ``K_basis`` gives f,
-    ``P_basis`` p and its rates; the inequalities hold at ``points``.
+    ``P_basis`` p and its rates; the inequalities hold at ``points``.  ``back_off`` is
+    that of γ; P stays above ``least``, where the start's P is the unit.
     """
 
     plant: PlantAt
@@ -55,6 +53,8 @@ class Switching:
     P_basis: Basis
     points: tuple[Sided, ...]
     decay: float
+    back_off: float = 1.01
+    least: float = 1e-4
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def find_P(design: Smooth) -> Smooth:
         return weighted(P, values), weighted(P, rates), design.loop(point.rho)
 
     positive = [
-        T.T @ terms(point)[0] @ T >> LEAST_P * np.eye(shape[2])
+        T.T @ terms(point)[0] @ T >> design.problem.least * np.eye(shape[2])
         for point in design.problem.points
         for T in [_congruence(design, point.rho)]
     ]
@@ -238,7 +238,7 @@ def _least(
     gamma, margin = cp.Variable(), cp.Variable()
     minimise(cp, cp.Minimize(gamma), inequalities(gamma, 0.0))
     least = float(gamma.value)
-    bounded = [*inequalities(BACK_OFF * least, margin), margin <= 1e-2]
+    bounded = [*inequalities(design.problem.back_off * least, margin), margin <= 1e-2]
     minimise(cp, cp.Maximize(margin), bounded)
     return least * design.start.units.gain
 

@@ -29,6 +29,7 @@ def text(
     axes: Sequence[Sequence[float]],
     T_s: float,
     dense: Sequence[Sided],
+    weights: Mapping[str, Any] | None = None,
 ) -> str:
     """Return the file.
 
@@ -37,6 +38,7 @@ def text(
         names, axes: of the scheduling parameters, and the table's breakpoints.
         T_s: sample time (s).
         dense: points on which γ is judged.
+        weights: what the problem was made of, for the run-time controller and reader.
     """
     units = found.start.units
     plain = [
@@ -47,6 +49,7 @@ def text(
     about = {
         "gamma": found.history[-1],
         "dense": certified(found, dense),
+        **({"weights": dict(weights)} if weights else {}),
         "history": list(found.history),
         "low": found.problem.low,
         "high": found.problem.high,

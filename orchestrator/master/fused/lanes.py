@@ -6,6 +6,7 @@ has the bits of a run of its own.  A member that fails is named with its reason,
 the others go on; members whose delayed inputs part company run one by one.
 """
 
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import byref
 from dataclasses import dataclass, field
@@ -85,6 +86,7 @@ class Lanes:
         places = {n: [c.index for c in of] for n, of in self._columns.items()}
         self._source = Source(timetable, found, places)
         self._text = self._source.text()
+        self._kept = threading.local()
         self._base = {n: _base(own, own.part) for n, own in self._source.own.items()}
 
     def run(self, members: Sequence[Values]) -> Iterator[Member]:
@@ -127,10 +129,7 @@ class Lanes:
     def _run(self, group: Sequence["Start"], width: int) -> Iterator[Member]:
         if not group:
             return
-        rows = {
-            name: aligned((len(times), len(self._columns[name]), width))
-            for name, times in self._times.items()
-        }
+        rows, turned = self._rooms(width)
         vector = aligned((max(1, self._timetable.wiring.size), width))
         memory = Memory(self._source, width, vector, rows)
         self._fill(memory, group, width)
@@ -142,19 +141,35 @@ class Lanes:
             for member in group:
                 yield from self._run([member], 1)
             return
-        turned = {  # every lane's rows side by side
-            name: np.ascontiguousarray(of.transpose(2, 1, 0))
-            for name, of in rows.items()
-        }
         if engine.failure == UNSETTLED:
             yield from (Member(unsettled=True) for _ in group)
             return
+        for name, of in rows.items():
+            turned[name][:] = of.transpose(2, 1, 0)
+        members = []
         for lane in range(len(group)):
             failure = self._failure(memory, lane, width)
             if failure is not None:
-                yield Member(failure=failure)
+                members.append(Member(failure=failure))
             else:
-                yield Member(self._signals(turned, lane))
+                members.append(Member(self._signals(turned, lane)))
+        yield from members
+
+    def _rooms(self, width: int) -> tuple[dict[str, FloatArray], Start]:
+        """Return where rows are written, and where every lane's lie side by side.
+
+        Each thread keeps its own: new pages cost as much as the steps.
+        """
+        if getattr(self._kept, "width", None) != width:
+            shapes = {
+                n: (len(t), len(self._columns[n])) for n, t in self._times.items()
+            }
+            self._kept.rows = {n: aligned((*s, width)) for n, s in shapes.items()}
+            self._kept.turned = {
+                n: np.empty((width, *s[::-1])) for n, s in shapes.items()
+            }
+            self._kept.width = width
+        return self._kept.rows, self._kept.turned
 
     def _fill(self, memory: Memory, group: Sequence["Start"], width: int) -> None:
         for name, own in self._source.own.items():
@@ -204,7 +219,7 @@ class Lanes:
         for table, times in self._times.items():
             signals = tables.setdefault(self._periods[table], {})
             for i, column in enumerate(self._columns[table]):
-                values = rows[table][lane, i]
+                values = rows[table][lane, i].copy()
                 if column.affine.converts:
                     values = column.affine.gain * values + column.affine.offset
                 signals[column.name] = Signal(

@@ -115,6 +115,7 @@ def _padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]
     return [(name, ctypes.c_char * missing)] if missing else []
 
 
+@cache
 def load(text: str, lanes: int) -> Any:
     """Return the library of a source for W lanes; compiled first if it was not yet.
 
@@ -133,7 +134,7 @@ def load(text: str, lanes: int) -> Any:
             if file.suffix == ".h" or file.name == "kernel.c":
                 sources[name] = file.read_text(encoding="utf-8")
     else:
-        flags += ["-mcpu=native", f"-DHOST_{_processor()}"]
+        flags += ["-mcpu=native", f"-DHOST_{processor()}"]
     built = compile_alone(
         "fused", sources, host_platform(), cache_folder() / "fused", flags=flags
     )
@@ -157,7 +158,7 @@ def load(text: str, lanes: int) -> Any:
 
 
 @cache
-def _processor() -> str:
+def processor() -> str:
     """Return a name of this processor's instructions, for the cache."""
     from hashlib import sha256
 
