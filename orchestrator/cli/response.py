@@ -14,7 +14,8 @@ from orchestrator.cli.output import (
     waiting,
 )
 from orchestrator.cli.run import Fmi, Json, Maps, ScenarioName, Sets, Swaps, Verbose
-from orchestrator.cli.swap import load, load_original
+from orchestrator.cli.running import load
+from orchestrator.cli.swap import load_original
 
 if TYPE_CHECKING:
     from orchestrator.response.expected import Responded
@@ -60,17 +61,17 @@ def response(
 ) -> None:
     """Measure the open loop, sensitivity and margins of a scenario's closed loop."""
     from orchestrator.history.folder import Begun, taken
-    from orchestrator.response.expected import respond
+    from orchestrator.response.expected import asking, respond
     from orchestrator.response.figures import as_json, write_table
     from orchestrator.scenario.compose import compose
-    from orchestrator.scenario.schema import response_of
+    from orchestrator.scenario.responses import response_of
     from orchestrator.session import naming, run_earlier
 
     set_up_logs(verbose)
     loaded = load(scenario, sets, swap, map, fmi)
     if broken:
         asked = response_of(broken, amplitude, lowest, excitation)
-        loaded = loaded.with_response(asked)
+        loaded = asking(loaded, asked)
     before: Responded | None = None
     with naming(loaded), waiting(f"measuring {loaded.name}"):
         composition = compose(loaded, run_earlier)
@@ -78,7 +79,7 @@ def response(
         if swap:
             first = load_original(scenario, sets, swap, map, fmi)
             if broken:
-                first = first.with_response(asked)
+                first = asking(first, asked)
             before = respond(compose(first, run_earlier))
     changed = (*(f"--break {b}" for b in broken), *(f"--swap {s}" for s in swap), *sets)
     told: dict[str, dict[str, Any]] = {}
@@ -88,7 +89,9 @@ def response(
             file = table or place.path / f"{stem}.csv"
             told[name] = as_json(one, write_table(one, file))
             _page(composition, name, one, before, place.path / f"{stem}.html")
-        figures = {key: {"value": q.value, "unit": q.unit} for key, q in found.figures.items()}
+        figures = {
+            key: {"value": q.value, "unit": q.unit} for key, q in found.figures.items()
+        }
         whole = told["loop"] if broken else {"responses": told, "figures": figures}
         place.complete({"scenario": loaded.name, "result": str(place.path), **whole})
     if json:

@@ -109,7 +109,9 @@ def nyquist(curves: Sequence[Curve]) -> Any:
             line={"color": FAILED, "dash": "dash", "width": 1},
             name=f"modulus margin {radius:.3g}",
         )
-    picture.add_scatter(x=[-1], y=[0], mode="markers", marker={"color": FAILED}, name="-1")
+    picture.add_scatter(
+        x=[-1], y=[0], mode="markers", marker={"color": FAILED}, name="-1"
+    )
     picture.update_xaxes(range=[-3.5, 1.5], title_text="real part of L")
     picture.update_yaxes(range=[-2, 2], title_text="imaginary part", scaleanchor="x")
     return _laid_out(picture, "Nyquist", HEIGHT + 100)
@@ -125,7 +127,9 @@ def sensitivity(curves: Sequence[Curve], borders: Mapping[str, float]) -> Any:
             x=curve.hz, y=_db(curve.S), line=_line(curve), name=f"S {curve.name}"
         )
         line = {**_line(curve), "dash": "dot"}
-        picture.add_scatter(x=curve.hz, y=_db(curve.T), line=line, name=f"T {curve.name}")
+        picture.add_scatter(
+            x=curve.hz, y=_db(curve.T), line=line, name=f"T {curve.name}"
+        )
     for name, level in borders.items():
         picture.add_hline(
             y=20 * np.log10(level),

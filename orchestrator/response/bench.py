@@ -122,7 +122,9 @@ def _breaks(composition: Composition, name: str) -> Iterator[Break]:
     owner, variable = split_name(name)
     if owner not in system.components or not variable:
         known = sorted(set(system.connections.values()))
-        raise ResponseError(f"break {name}: no such output; {did_you_mean(name, known)}")
+        raise ResponseError(
+            f"break {name}: no such output; {did_you_mean(name, known)}"
+        )
     links = links_of(system, composition.fmus)[0]
     for port in ports(system.components[owner], composition.fmus[owner], variable):
         if port.variable.causality != "output" or port.variable.dtype != "float64":

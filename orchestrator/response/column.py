@@ -21,7 +21,9 @@ AGREED = 1e-7  # of the rms of a period, from one to the next
 FIRST, MOST = 4, 64  # periods of one run
 LINEAR = 1e-6  # distortion below which one realisation is all
 SURE = 0.004  # standard error of S, of its size: 0.035 dB
-REALISATIONS = 32
+REALISATIONS = 16
+EVEN = 1.3  # ratio of differences from period to period that are noise alone
+HUGE = 1e50  # no signal of a stable loop
 
 
 @dataclass(frozen=True)
@@ -66,14 +68,10 @@ def column(
         found.append(_pass(bench, excited, lines, d))
         if len(found) == wanted:
             whole = _whole(found, excited)
-            sure = _distorted(whole) < LINEAR or np.all(whole.error < SURE)
+            sure = whole.distortion < LINEAR or np.all(whole.error < SURE)
             if not sure and form == "multisine" and wanted < most:
                 wanted *= 2
     return whole
-
-
-def _distorted(column: Column) -> float:
-    return max(column.distortion, 0.0)
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,8 @@ def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
     periods, settled = FIRST, -1
     while settled < 0:
         values = bench.responses(given, periods)
-        settled = _settled(values.reshape(len(bench.breaks), periods, lines.n))
+        of_periods = values.reshape(len(bench.breaks), periods, lines.n)
+        settled = _settled(of_periods, last=periods >= MOST)
         if settled < 0 and periods >= MOST:
             raise ResponseError(
                 f"break {bench.breaks[excited].name}: after {periods} periods of "
@@ -117,24 +116,33 @@ def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
 
 def _share(values: Real, n: int, of: Lines, among: Lines) -> float:
     """Return the rms at some lines as a share of that at others."""
-    size = [np.sum(np.abs(spectra(values, n, which).mean(axis=0)) ** 2) for which in (of, among)]
+    size = [
+        np.sum(np.abs(spectra(values, n, which).mean(axis=0)) ** 2)
+        for which in (of, among)
+    ]
     return float(np.sqrt(size[0] / size[1])) if size[1] else 0.0
 
 
-def _settled(values: Real) -> int:
-    """Return how many of the periods (breaks, periods, n) are transient, else -1."""
-    if not np.all(np.isfinite(values)):
+def _settled(values: Real, *, last: bool) -> int:
+    """Return how many of the periods (breaks, periods, n) are transient, else -1.
+
+    Settled are periods that agree, or differ by what does not grow any more; the
+    ``last`` try takes these whatever their differences do, if they are small.
+    """
+    if not np.max(np.abs(values[:, -1])) < HUGE:
         return -1
-    apart = np.sqrt(np.mean(np.diff(values, axis=1) ** 2, axis=(0, 2)))
     size = np.sqrt(np.mean(values[:, -1] ** 2))
     if size == 0:
         return 0
-    floor = max(AGREED * size, 2 * apart[-1])
-    late = np.flatnonzero(apart > floor)
+    apart = np.sqrt(np.mean(np.diff(values, axis=1) ** 2, axis=(0, 2)))
+    late = np.flatnonzero(apart > max(AGREED * size, 2 * apart[-1]))
     first = int(late[-1]) + 2 if len(late) else 1
-    steady = apart[-1] <= AGREED * size
-    enough = first <= values.shape[1] - (1 if steady else 2)
-    return first if enough else -1
+    if apart[-1] <= AGREED * size:
+        return first
+    tail = apart[len(apart) // 2 :]
+    even = len(apart) >= FIRST and np.max(tail) <= EVEN * np.min(tail)
+    noise = apart[-1] < size / 2 and first <= len(apart) // 2
+    return first if noise and (even or last) else -1
 
 
 def _whole(found: list[_Pass], excited: int) -> Column:
@@ -144,7 +152,9 @@ def _whole(found: list[_Pass], excited: int) -> Column:
     cross = np.sum(B * D.conj(), axis=0)
     Q = -cross / power
     scale = power * np.sum(np.abs(B) ** 2, axis=0)
-    coherence = np.divide(np.abs(cross) ** 2, scale, out=np.ones(Q.shape), where=scale > 0)
+    coherence = np.divide(
+        np.abs(cross) ** 2, scale, out=np.ones(Q.shape), where=scale > 0
+    )
     S = 1 - Q[:, excited]
     error = np.full(len(S), np.inf)
     if len(found) > 1:

@@ -99,7 +99,9 @@ def signal(
     return values
 
 
-def spectra(values: Real, n: int, lines: Sequence[int] | Lines) -> NDArray[np.complex128]:
+def spectra(
+    values: Real, n: int, lines: Sequence[int] | Lines
+) -> NDArray[np.complex128]:
     """Return phasors (periods, lines) of whole periods (periods * n,)."""
     found: NDArray[np.complex128] = np.fft.rfft(values.reshape(-1, n), axis=1)
     return found[:, np.asarray(lines)] * (2 / n)

@@ -1,7 +1,7 @@
 """The responses of a scenario, carried out: figures, and what is expected of them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from orchestrator.errors import ResponseError, ScenarioError
 from orchestrator.evaluation.expectation import Check, check
@@ -9,7 +9,8 @@ from orchestrator.quantities.quantity import Quantity, parse_quantity
 from orchestrator.response.figures import figures
 from orchestrator.response.measure import Response, measure
 from orchestrator.scenario.compose import Composition
-from orchestrator.scenario.schema import ResponseSpec
+from orchestrator.scenario.reading import Scenario
+from orchestrator.scenario.responses import ResponseSpec
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,13 @@ class Responded:
     responses: dict[str, Response]
     figures: dict[str, Quantity]
     checks: list[Check]
+
+
+def asking(scenario: Scenario, response: ResponseSpec) -> Scenario:
+    """Return the scenario with this response, ``loop``, and no other."""
+    spec = scenario.spec
+    kept = {"expect": spec.expected_of_run, "responses": {"loop": response}}
+    return replace(scenario, spec=spec.model_copy(update=kept))
 
 
 def respond(

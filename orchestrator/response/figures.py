@@ -10,26 +10,19 @@ from orchestrator.errors import ResponseError
 from orchestrator.quantities.quantity import Quantity
 from orchestrator.response.margins import Margins, delayed, margins
 from orchestrator.response.measure import Response
+from orchestrator.scenario.responses import FIGURES
 
 if TYPE_CHECKING:
     import control
 
 LINEAR = 0.01  # of S, at half the amplitude
-FIGURES = {
-    "phase_margin_deg": "deg",
-    "gain_margin_db": "1",
-    "modulus_margin": "1",
-    "delay_margin_s": "s",
-    "crossover_hz": "Hz",
-    "s_max": "1",
-}
 
 
 def figures(name: str, found: Response) -> dict[str, Quantity]:
     """Return ``<name>.phase_margin_deg`` and the like, the worst of several loops."""
     values = {
         key: min((float(getattr(loop, key)) for loop in found.loops), key=abs)
-        for key in ("phase_margin_deg", "gain_margin_db", "delay_margin_s", "crossover_hz")
+        for key in FIGURES
     }
     values["s_max"] = found.s_max[0]
     values["modulus_margin"] = 1 / found.s_max[0]
@@ -111,6 +104,11 @@ def words(found: Response) -> Iterator[str]:
         f"{found.realisations}"
     )
     yield f"distortion {100 * found.distortion:.2g} % of what answers"
+    if not found.resolved:
+        yield (
+            f"the largest |S| is between two lines: give a --from below "
+            f"{found.hz[0] / 2:g} Hz"
+        )
     if found.half > LINEAR:
         yield (
             f"not linear: at half the amplitude S differs by up to "
@@ -124,7 +122,10 @@ def words(found: Response) -> Iterator[str]:
             f"nothing; break {found.slower} instead"
         )
     if min(loop.crossover_hz for loop in found.loops) < 4 * found.hz[0]:
-        yield f"crossovers are near the lowest line: give a --from below {found.hz[0]:g}"
+        yield (
+            f"crossovers are near the lowest line: give a --from below "
+            f"{found.hz[0]:g} Hz"
+        )
 
 
 def write_table(found: Response, file: Path) -> Path:

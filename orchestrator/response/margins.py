@@ -16,6 +16,9 @@ Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 
 
+FAR = np.log(1e3)  # a gain by which nothing is multiplied
+
+
 @dataclass(frozen=True)
 class Crossover:
     """Where |L| = 1, and how much phase (deg, -180 to 180) is left there."""
@@ -36,8 +39,9 @@ class GainMargin:
 class Margins:
     """The margins of one loop; all that a loop has none of is infinite.
 
-    ``phase_margin_deg`` and ``gain_margin_db`` are the smallest by magnitude,
-    ``crossover_hz`` is where |L| first falls below 1.
+    ``phase_margin_deg`` is the smallest by magnitude, ``gain_margin_db`` by how much
+    the gain may grow, ``crossover_hz`` where |L| first passes 1.  Gain margins beyond
+    60 dB are left out.
     """
 
     crossovers: tuple[Crossover, ...]
@@ -52,11 +56,12 @@ class Margins:
 
     @property
     def phase_margin_deg(self) -> float:
-        return min((c.phase_margin_deg for c in self.crossovers), key=abs, default=np.inf)
+        found = (c.phase_margin_deg for c in self.crossovers)
+        return min(found, key=abs, default=np.inf)
 
     @property
     def gain_margin_db(self) -> float:
-        return min((m.db for m in self.gain_margins), key=abs, default=np.inf)
+        return min((m.db for m in self.gain_margins if m.db > 0), default=np.inf)
 
     @property
     def crossover_hz(self) -> float:
@@ -77,15 +82,14 @@ def margins(hz: Real, L: Complex) -> Margins:
         Crossover(float(np.exp(f)), _half_turn(180 + np.degrees(p)))
         for f, p in _zeros(x, size, phase)
     )
-    gains = []
+    gains: list[GainMargin] = []
     for turn in range(int(np.min(phase) // np.pi), int(np.max(phase) // np.pi) + 2):
         if turn % 2:
-            found = _zeros(x, phase - turn * np.pi, size)
-            gains += [GainMargin(float(np.exp(f)), float(-20 / np.log(10) * m)) for f, m in found]
+            for f, m in _zeros(x, phase - turn * np.pi, size):
+                if abs(m) < FAR:
+                    gains.append(GainMargin(float(np.exp(f)), -20 / np.log(10) * m))
     peak_hz, s_max = peak(hz, np.abs(1 / (1 + L)))
-    return Margins(
-        crossovers, tuple(sorted(gains, key=lambda g: g.hz)), s_max, peak_hz
-    )
+    return Margins(crossovers, tuple(sorted(gains, key=lambda g: g.hz)), s_max, peak_hz)
 
 
 def peak(hz: Real, size: Real) -> tuple[float, float]:

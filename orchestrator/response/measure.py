@@ -5,7 +5,9 @@
 2. the lines are made denser where |L| is about 1 and shaped by 1/|S|, so that what
    goes on behind the break is about even;
 3. the pass that counts, and one at half its amplitude: a loop that answers otherwise
-   then is not linear.
+   then is not linear;
+4. all again with a period twice as long, while |S| falls away from its largest value
+   to the next line.
 """
 
 from collections.abc import Sequence
@@ -31,7 +33,10 @@ SHAPED = 30.0  # times the smallest line at most
 STEP, STEPS = 4.0, 5  # of amplitudes that are tried
 GOOD = 1e-3  # distortion at which no other amplitude is looked for
 STEPPED = 40  # lines of a stepped sine
-ROUGH = 2  # realisations of a pass that only looks
+FINER = 4  # times the lowest line is halved for lines closer to the largest S
+RESOLVED = 0.9
+ROUGH = 0.01  # distortion with which the largest |S| is not worth more lines
+LOOKING = 2  # realisations of a pass that only looks
 
 
 @dataclass(frozen=True)
@@ -67,14 +72,22 @@ class Response:
     @property
     def loops(self) -> tuple[Margins, ...]:
         return tuple(
-            margins(self.hz, 1 / self.S[:, i, i] - 1) for i in range(len(self.breaks))
+            margins(self.hz, (1 - self.S[:, i, i]) / self.S[:, i, i])
+            for i in range(len(self.breaks))
         )
 
     @property
     def singular(self) -> Real:
         """The singular values of S (lines, m), largest first."""
-        found: Real = np.linalg.svd(self.S, compute_uv=False)
-        return found
+        return np.asarray(np.linalg.svd(self.S, compute_uv=False), dtype=np.float64)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the lines beside the largest S are nearly as large."""
+        size = self.singular[:, 0]
+        i = int(np.argmax(size))
+        beside = size[max(i - 1, 0) : i + 2]
+        return bool(np.min(beside) > RESOLVED * size[i])
 
     @property
     def s_max(self) -> tuple[float, float]:
@@ -102,7 +115,13 @@ def measure(
         ResponseError: no such loop, or it does not settle.
     """
     with bench(composition, breaks) as at:
-        return _Measurement(at, lowest, form, quick).response(amplitude)
+        for _ in range(FINER):
+            found = _Measurement(at, lowest, form, quick).response(amplitude)
+            rough = found.distortion > ROUGH
+            if found.resolved or rough or form == "stepped":
+                break
+            lowest /= 2
+    return found
 
 
 class _Measurement:
@@ -125,11 +144,13 @@ class _Measurement:
             amplitude if amplitude else self._amplitude(i, rough, even)
             for i in range(m)
         ]
-        first = [self._column(i, rough, even, sizes[i], ROUGH) for i in range(m)]
+        first = [self._column(i, rough, even, sizes[i], LOOKING) for i in range(m)]
         lines = self._grid(self._around_one(first, rough))
         shapes = [self._shape(c.Q[:, i], rough, lines) for i, c in enumerate(first)]
         found = [
-            self._column(i, lines, shapes[i], sizes[i], ROUGH if self._quick else None)
+            self._column(
+                i, lines, shapes[i], sizes[i], LOOKING if self._quick else None
+            )
             for i in range(m)
         ]
         Q = np.stack([c.Q for c in found], axis=2)
@@ -202,10 +223,8 @@ class _Measurement:
         name = self._bench.breaks[i].name
         owner, _, variable = name.partition(".")
         described = self._bench.composition.fmus[owner].variables.get(variable)
-        for said in (described and described.max, described and described.nominal):
-            if said is not None and np.isfinite(float(said)) and float(said) > 0:
-                return float(said) / 100
-        return 0.01
+        largest = float(described.max or "inf") if described else np.inf
+        return largest / 100 if 0 < largest < np.inf else 0.01
 
     def _around_one(
         self, found: Sequence[Column], lines: Grid

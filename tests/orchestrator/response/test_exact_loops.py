@@ -5,20 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from measured_loops import composed, decibels, degrees
 from numpy.typing import NDArray
 
 from controllers.synthesis.ball_screw.loops import sampled_loop
 from controllers.synthesis.frequency import respond
 from orchestrator.response.measure import Response, measure
-from orchestrator.scenario.compose import Composition, compose
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run_earlier
 
 Complex = NDArray[np.complex128]
-
-
-def composed(name: str, *sets: str) -> Composition:
-    return compose(load_scenario(name, sets), run_earlier)
 
 
 class Case(NamedTuple):
@@ -51,14 +45,6 @@ def ball_screw(case: Case) -> tuple[Response, Callable[..., Complex]]:
     )
     loop = sampled_loop(case.controller, False, {}, case.latency, 1e-3 / case.khz)
     return found, lambda hz: respond(loop, hz).L
-
-
-def decibels(one: Complex, other: Complex) -> float:
-    return float(np.max(np.abs(20 * np.log10(np.abs(one / other)))))
-
-
-def degrees(one: Complex, other: Complex) -> float:
-    return float(np.max(np.abs(np.angle(one / other, deg=True))))
 
 
 def refuse_apart(found: Response, exact: Callable[..., Complex], noisy: bool) -> None:
