@@ -14,7 +14,7 @@ from math import lcm
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.errors import ResponseError, did_you_mean
+from orchestrator.errors import ResponseError, SimulationError, did_you_mean
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.master.loaded import Loaded
 from orchestrator.master.series import Series
@@ -22,6 +22,8 @@ from orchestrator.master.simulate import plan
 from orchestrator.master.wiring import links_of
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Injection, System, split_name
+
+FIRST = 4  # periods of the first run
 
 Real = NDArray[np.float64]
 
@@ -65,6 +67,7 @@ class Bench:
         owner = split_name(names[0])[0]
         self._offset = composition.system.components[owner].offset
         self._twin: dict[int, Real] = {}
+        self.periods = FIRST  # as many as the last run needed
 
     def responses(self, values: Sequence[Real | None], periods: int) -> Real:
         """Return (breaks, periods * n) of what the breaks read more than unexcited.
@@ -96,7 +99,14 @@ class Bench:
             injections=injections,
         )
         signals = frozenset(b.name for b in self.breaks)
-        found, ended = Series(plan(system), signals, self._loaded).run({})
+        series = Series(plan(system), signals, self._loaded)
+        try:
+            found, ended = series.run({})
+        except SimulationError as error:
+            raise ResponseError(
+                f"a run of {float(system.stop):g} s failed, so its loop may be "
+                f"unstable: {error}"
+            ) from error
         if ended is not None:
             raise ResponseError(f"a run was {ended}; a response needs all its periods")
         rows = [found[b.name].values[: periods * n] for b in self.breaks]

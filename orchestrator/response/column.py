@@ -18,11 +18,11 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 AGREED = 1e-7  # of the rms of a period, from one to the next
-FIRST, MOST = 4, 64  # periods of one run
+MOST = 64  # periods of one run
 LINEAR = 1e-6  # distortion below which one realisation is all
 SURE = 0.004  # standard error of S, of its size: 0.035 dB
 REALISATIONS = 16
-EVEN = 1.3  # ratio of differences from period to period that are noise alone
+MIN, EVEN = 4, 1.3  # ratio of differences from period to period that are noise alone
 HUGE = 1e50  # no signal of a stable loop
 
 
@@ -88,11 +88,12 @@ class _Pass:
 def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
     given: list[Real | None] = [None] * len(bench.breaks)
     given[excited] = d
-    periods, settled = FIRST, -1
+    periods, settled = bench.periods, -1
     while settled < 0:
         values = bench.responses(given, periods)
         of_periods = values.reshape(len(bench.breaks), periods, lines.n)
         settled = _settled(of_periods, last=periods >= MOST)
+        bench.periods = periods
         if settled < 0 and periods >= MOST:
             raise ResponseError(
                 f"break {bench.breaks[excited].name}: after {periods} periods of "
@@ -140,7 +141,7 @@ def _settled(values: Real, *, last: bool) -> int:
     if apart[-1] <= AGREED * size:
         return first
     tail = apart[len(apart) // 2 :]
-    even = len(apart) >= FIRST and np.max(tail) <= EVEN * np.min(tail)
+    even = len(apart) >= MIN and np.max(tail) <= EVEN * np.min(tail)
     noise = apart[-1] < size / 2 and first <= len(apart) // 2
     return first if noise and (even or last) else -1
 
