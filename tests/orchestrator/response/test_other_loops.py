@@ -94,7 +94,7 @@ def test_friction_is_told_by_distortion_and_by_half_the_amplitude() -> None:
     rubbing = composed(
         "ball_screw_pole_placement/mc_ppc_friction_reversal", "rates.control=10 kHz"
     )
-    found = measure(rubbing, ["controller.u"], lowest=Fraction(16), amplitude=0.3)
+    found = measure(rubbing, ["controller.u"], lowest=Fraction(32), amplitude=0.3)
     assert found.distortion > 0.01
     assert found.half > 0.01
     assert any(line.startswith("not linear") for line in words(found))
