@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
-from fmus.trust import digest
+from fmus.cache import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
