@@ -8,14 +8,14 @@ from zipfile import ZipFile, is_zipfile
 import typer
 
 from orchestrator.cli.importing import check_package
-from orchestrator.cli.output import command, echo, print_json, print_table, waiting
+from orchestrator.cli.output import echo, executing, print_json, print_table, waiting
 from orchestrator.cli.run import Variant
 
 if TYPE_CHECKING:
     from orchestrator.checks import Report
 
 
-@command
+@executing
 def check(
     fmu: Annotated[
         str,

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.output import (
-    command,
     echo,
     error_console,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 SHOWN = 40  # members in the printed table
 
 
-@command
+@executing
 def sweep(
     scenario: ScenarioName,
     vary: Annotated[
