@@ -16,6 +16,7 @@ from systems import system
 from orchestrator.errors import SimulationError
 from orchestrator.instances.descendants import MARK
 from orchestrator.instances.frames import Damaged, decode, encode
+from orchestrator.instances.guard import guards
 from orchestrator.instances.logs import LogMessage
 from orchestrator.master.simulate import Choice, simulate
 from orchestrator.result import Result
@@ -97,6 +98,20 @@ def test_what_it_prints_and_logs_steers_no_terminal(
     assert "\\x1b[2Jprinted\n" in printed
     assert "\\x1b]0;evil\\x07\\x1b[2J" in caplog.text
     assert "\x1b" not in printed + caplog.text
+
+
+def test_where_the_system_forbids_what_guards_need_there_are_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def forbidden(_: int) -> int:
+        raise PermissionError(1, "pidfd_open")
+
+    monkeypatch.setattr(os, "pidfd_open", forbidden)
+    guards.cache_clear()
+    assert not guards()
+    monkeypatch.undo()
+    guards.cache_clear()
+    assert guards()
 
 
 def test_one_that_stops_itself_is_late(tmp_path: Path) -> None:
