@@ -109,7 +109,7 @@ class _Package:
             values = entries(component, self.fmus[name])
             if not values:
                 continue
-            of_set = parameter_set(name, values, self.version)
+            of_set = parameter_set(values, self.version)
             found[f"resources/{name}.ssv"] = document(of_set)
             mapping = parameter_mapping(values, self.version)
             if mapping is not None:
@@ -136,7 +136,7 @@ class _Package:
         name = self.system.name.rpartition("/")[2]
         made = root(
             "ssd:SystemStructureDescription",
-            *("ssd", "ssc"),
+            *("ssd", "ssc", "osp", "fd"),  # libcosim takes them nowhere else
             version=self.version,
             name=name,
             generationTool=f"feeddrive {version_of('feeddrive-cosim')}",
