@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeAlias
 
-import numpy as np
 from pydantic import (
     Field,
     PlainValidator,
@@ -34,6 +33,7 @@ from orchestrator.evaluation.schema import (
     Window,
 )
 from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
+from orchestrator.scenario.maps import MapSpec
 from orchestrator.scenario.written import (
     in_floats,
     parse_scalar,
@@ -74,25 +74,6 @@ Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
 Number: TypeAlias = Annotated[Value, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
-
-
-class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side.
-
-    A ``value``, in our unit, is one of the component's parameters.
-    """
-
-    name: str
-    gain: float | None = None
-    offset: float | None = None
-    unit: str | None = None
-
-    @field_validator("gain")
-    @classmethod
-    def _passes_something(cls, value: float | None) -> float | None:
-        if value is not None and (value == 0 or not np.isfinite(value)):
-            raise ValueError(f"{value} is no gain: a finite number other than zero")
-        return value
 
 
 class ExperimentSpec(Strict):

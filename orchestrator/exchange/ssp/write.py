@@ -161,6 +161,11 @@ class _Package:
         """Return what of each component is connected or recorded, in FMU's order."""
         shown: dict[str, set[str]] = {name: set() for name in self.system.components}
         for source, sink, _ in self.links:
+            if sink.whole is not None:
+                raise ScenarioError(
+                    f"{source.full_name} -> {sink.full_name}: is rounded into a range, "
+                    f"for which SSP has no words; let a component do it"
+                )
             if _kind(source.variable) is None:
                 raise ScenarioError(
                     f"{source.full_name} -> {sink.full_name}: SSP connects outputs and "
