@@ -135,7 +135,9 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     for one in left:
         warn(str(one))
     components = {
-        name: component_of(name, specs[name], located[name], nominal.designed[name])
+        name: component_of(
+            name, specs[name], located[name], nominal.designed.get(name, {})
+        )
         for name in specs
     }
     for name, component in components.items():
