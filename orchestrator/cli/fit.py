@@ -7,6 +7,7 @@ import typer
 
 from orchestrator.cli.output import (
     command,
+    echo,
     print_json,
     print_table,
     set_up_logs,
@@ -84,8 +85,8 @@ def fit(
         return
     print_table(HEAD, _rows(found), f"{loaded.name} fitted to {data.name}")
     for line in _words(found):
-        typer.echo(line)
-    typer.echo(f"scenario: {target}\nreport: {page}")
+        echo(line)
+    echo(f"scenario: {target}\nreport: {page}")
 
 
 def _bracket(text: str) -> "tuple[str, Bracket]":

@@ -5,7 +5,7 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
@@ -17,6 +17,8 @@ from traceback import extract_tb
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 import typer
+
+from orchestrator.errors import shown
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,10 +49,11 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
                 with _stdout_closed_when_full():
                     print_json({"error": message, **rows})
             typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
-            typer.echo(message, err=True)
+            echo(message, err=True)
             raise typer.Exit(code)
 
         try:
+            _refuse_names([Path.cwd(), *args, *kwargs.values()])
             function(*args, **kwargs)
         except FeedDriveError as error:
             fail(str(error), error.exit_code, error.folder)
@@ -78,10 +81,32 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
     return guarded
 
 
+def echo(text: str, *, err: bool = False) -> None:
+    """Print a text; what an FMU or a file put into it to steer a terminal is shown."""
+    typer.echo(shown(text), err=err)
+
+
 def _was_printing(error: OSError) -> bool:
     """Tell whether what failed was a print, which names no file."""
     names = {frame.name for frame in extract_tb(error.__traceback__)}
     return bool(names & {"echo", "print_table"})
+
+
+def _refuse_names(given: Iterable[object]) -> None:
+    """Refuse names that could not be written down: those that are no UTF-8."""
+    from orchestrator.errors import ScenarioError
+
+    for value in given:
+        if isinstance(value, list):
+            _refuse_names(value)
+        elif isinstance(value, str | Path):
+            try:
+                str(value).encode()
+            except UnicodeEncodeError:
+                raise ScenarioError(
+                    f"{value}: this name is no UTF-8, in which files of runs are "
+                    f"written; rename it"
+                ) from None
 
 
 @contextmanager
@@ -99,7 +124,7 @@ def _close_stdout() -> None:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object on stdout; numbers that are not finite become null."""
-    typer.echo(json.dumps(_finite(content), indent=2, allow_nan=False))
+    echo(json.dumps(_finite(content), indent=2, allow_nan=False))
 
 
 def _finite(value: Any) -> Any:
@@ -137,7 +162,11 @@ def print_table(
     if sum(widths) + 3 * len(head) > console.width:
         _print_paragraphs(names, rows, title, console.width)
         return
-    table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(
+        title=Text(shown(title)) if title else None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+    )
     for name, width in zip(head, widths, strict=True):
         table.add_column(
             name.removeprefix(">"),
@@ -146,7 +175,7 @@ def print_table(
             overflow="fold",
         )
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
+        table.add_row(*(Text(shown(cell)) for cell in row))
     console.print(table)
 
 
@@ -163,19 +192,19 @@ def _print_lines(
     printed = [title] if title else []
     printed += [line.format(*names).rstrip(), "-" * (sum(widths) + 2 * len(widths))]
     printed += [line.format(*row).rstrip() for row in rows]
-    typer.echo("\n".join(printed))
+    echo("\n".join(printed))
 
 
 def _print_paragraphs(
     names: Sequence[str], rows: Sequence[Sequence[str]], title: str, width: int
 ) -> None:
-    typer.echo(f"\n{title}\n" if title else "")
+    echo(f"\n{title}\n" if title else "")
     for row in rows:
         told = zip(names[1:], row[1:], strict=True)
         facts = "; ".join(f"{name} {cell}" for name, cell in told if cell)
-        typer.echo(row[0])
+        echo(row[0])
         if facts:
-            typer.echo(fill(facts, width, initial_indent="  ", subsequent_indent="  "))
+            echo(fill(facts, width, initial_indent="  ", subsequent_indent="  "))
 
 
 def _least_width(cells: Sequence[str], *, last: bool) -> int:
@@ -197,10 +226,16 @@ def set_up_logs(verbose: bool) -> None:
     from rich.logging import RichHandler
 
     handler = RichHandler(console=error_console(), show_path=False, show_time=False)
+    handler.addFilter(_shown)
     log = logging.getLogger("feeddrive")
     log.handlers[:] = [handler]
     log.setLevel(logging.INFO if verbose else logging.WARNING)
     log.propagate = False
+
+
+def _shown(record: logging.LogRecord) -> bool:
+    record.msg, record.args = shown(record.getMessage()), None
+    return True
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
-from fmus.trust import digest
+from fmus.cache import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
@@ -28,10 +28,7 @@ from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.maps import MapSpec, with_gains
 from orchestrator.scenario.reading import Scenario
-from orchestrator.scenario.schema import (
-    DesignSpec,
-    FaultSpec,
-)
+from orchestrator.scenario.schema import DesignSpec, FaultSpec
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.swapped import (
     refuse_lost_inputs,

@@ -13,8 +13,8 @@ from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, is_inward, ports
 from orchestrator.quantities.unit import Unit, conversion
+from orchestrator.scenario.component import ComponentSpec
 from orchestrator.scenario.maps import MapSpec
-from orchestrator.scenario.schema import ComponentSpec
 from orchestrator.system import Component, Value
 from orchestrator.warned import warn
 
