@@ -80,7 +80,7 @@ class Source:
             [
                 "#define _POSIX_C_SOURCE 199309L",
                 '#include "engine.h"',
-                "#if W == 1",
+                "#ifdef KERNEL",
                 '#include "kernel.c.h"',
                 '#include "called.h"',
                 "#endif",
@@ -174,7 +174,7 @@ class Source:
 
     def _row(self, table: str) -> Iterator[str]:
         number = self.tables[table]
-        yield "#if W == 1"
+        yield "#ifdef KERNEL"
         yield f"if (K) record(K, K->tables + {number}, t);"
         yield "else"
         yield "#endif"
