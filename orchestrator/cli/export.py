@@ -48,7 +48,7 @@ def export(
     ] = None,
     platform: Annotated[
         list[str],
-        typer.Option("--platform", help="binary of an .fmu; all for every one"),
+        typer.Option("--platform", help="binary of an .fmu (repeatable)"),
     ] = [],  # noqa: B006
     json: Json = False,
 ) -> None:

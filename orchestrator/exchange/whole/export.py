@@ -12,17 +12,13 @@ Refused in words: components that are not ours (they cannot be compiled in), fau
 injections, whole numbers of 64 bits.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from hashlib import sha256
-from importlib.metadata import version
 from math import lcm
 from pathlib import Path
-from typing import Any
 from uuid import UUID
-
-from lxml import etree
 
 from fmus.archive import write_archive
 from fmus.cache import cache_folder
@@ -30,6 +26,7 @@ from fmus.compile import PLATFORMS, compile_alone, host_platform, universal_bina
 from fmus.documentation import license_text
 from fmus.native_source import adapter_sources
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.exchange.whole.describe import describe, page
 from orchestrator.exchange.whole.tables import Outside, base_values, tables
 from orchestrator.fmu.ports import Affine, ports
 from orchestrator.master.fused.executor import fusible
@@ -132,7 +129,7 @@ class _Whole:
         text = (
             self.source.text() + "\n" + tables(self.source, self.starts, self.outside)
         )
-        description = self._description("")
+        description = self.description("")
         code = text + SHELL.read_text(encoding="utf-8")
         token = sha256(code.encode() + description).digest()
         guid = f"{{{UUID(bytes=token[:16])}}}"
@@ -143,7 +140,8 @@ class _Whole:
             sources[file.name] = file.read_text(encoding="utf-8")
         sources |= {name: adapters[name] for name in (*ELEMENTARY, *FMI2)}
         found = {
-            "modelDescription.xml": self._description(guid),
+            "modelDescription.xml": self.description(guid),
+            "documentation/index.html": page(self.composition, self.outside),
             "documentation/license.txt": license_text(),
         }
         slices: dict[str, dict[str, bytes]] = {}
@@ -164,6 +162,9 @@ class _Whole:
                 universal_binary(parts) if several else next(iter(parts.values()))
             )
         return found
+
+    def description(self, guid: str) -> bytes:
+        return describe(self.composition, self.identifier, self.outside, guid)
 
     @property
     def identifier(self) -> str:
@@ -237,88 +238,6 @@ class _Whole:
                         v.description,
                     )
 
-    def _description(self, guid: str) -> bytes:
-        system = self.composition.system
-        root = etree.Element(
-            "fmiModelDescription",
-            fmiVersion="2.0",
-            modelName=system.name,
-            guid=guid,
-            description=self.composition.scenario.spec.title,
-            generationTool=f"feeddrive {version('feeddrive-cosim')}",
-            variableNamingConvention="structured",
-        )
-        etree.SubElement(
-            root,
-            "CoSimulation",
-            modelIdentifier=self.identifier,
-            canHandleVariableCommunicationStepSize="true",
-            canGetAndSetFMUstate="true",
-            canSerializeFMUstate="true",
-        )
-        self._units(root)
-        step = min(c.period for c in system.components.values())
-        etree.SubElement(
-            root,
-            "DefaultExperiment",
-            startTime="0",
-            stopTime=repr(float(system.stop)),
-            stepSize=repr(float(step)),
-        )
-        variables = etree.SubElement(root, "ModelVariables")
-        for reference, one in enumerate(self.outside):
-            variables.append(_variable(reference, one))
-        structure = etree.SubElement(root, "ModelStructure")
-        listed = [i for i, v in enumerate(self.outside, 1) if v.role == "output"]
-        for tag in ("Outputs", "InitialUnknowns"):
-            of_tag = etree.SubElement(structure, tag)
-            for i in listed:
-                one = etree.SubElement(of_tag, "Unknown", index=str(i))
-                if tag == "Outputs":  # nothing changes but by a step
-                    one.set("dependencies", "")
-        etree.indent(root, "  ")
-        text: bytes = etree.tostring(root, encoding="UTF-8", xml_declaration=True)
-        return text
-
-    def _units(self, root: Any) -> None:
-        found: Mapping[str, Any] = {
-            str(v.unit): v.unit.base
-            for v in self.outside
-            if v.unit is not None and v.unit.base is not None and not v.boolean
-        }
-        listed = etree.SubElement(root, "UnitDefinitions")
-        for name in sorted(found):
-            base = found[name]
-            one = etree.SubElement(listed, "Unit", name=name)
-            of = etree.SubElement(
-                one, "BaseUnit", {k: str(n) for k, n in base.exponents.items()}
-            )
-            if base.factor != 1:
-                of.set("factor", repr(base.factor))
-            if base.offset:
-                of.set("offset", repr(base.offset))
-
 
 def _outer(inside: float, affine: Affine) -> float:
     return (inside - affine.offset) / affine.gain if affine.converts else inside
-
-
-def _variable(reference: int, one: Outside) -> Any:
-    about = {
-        "name": one.name,
-        "valueReference": str(reference),
-        "description": one.description,
-        "causality": one.role,
-    }
-    if one.role == "parameter":
-        about["variability"] = "fixed"
-    elif one.boolean:
-        about["variability"] = "discrete"
-    made = etree.Element("ScalarVariable", about)
-    kind = etree.SubElement(made, "Boolean" if one.boolean else "Real")
-    if one.start is not None:
-        told = repr(one.start) if not one.boolean else str(bool(one.start)).lower()
-        kind.set("start", told)
-    if one.unit is not None and one.unit.base is not None and not one.boolean:
-        kind.set("unit", str(one.unit))
-    return made

@@ -16,17 +16,19 @@ typedef struct {
     int64_t now, repeat; /* ticks; of the stretch */
     size_t stretch, entry;
     int32_t mode, fresh, aligned;
-    double start; /* s */
+    int32_t stops, _;
+    double start, stop; /* s */
 } State;
 
 typedef struct {
     State state;
     const fmi2CallbackFunctions *callbacks;
     char name[256];
+    int logging;
 } Slave;
 
 static fmi2Status fail(const Slave *s, const char *text, const char *detail) {
-    if (s->callbacks && s->callbacks->logger)
+    if (s->logging && s->callbacks && s->callbacks->logger)
         s->callbacks->logger(s->callbacks->componentEnvironment, s->name, fmi2Error,
                              "logStatusError", "%s%s", text, detail);
     return fmi2Error;
@@ -88,7 +90,8 @@ FMI2_Export const char *fmi2GetVersion(void) { return fmi2Version; }
 
 FMI2_Export fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
                                            const fmi2String categories[]) {
-    (void)c, (void)on, (void)n, (void)categories;
+    (void)n, (void)categories;
+    ((Slave *)c)->logging = on != 0;
     return fmi2OK;
 }
 
@@ -97,16 +100,23 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type,
                                           const fmi2CallbackFunctions *callbacks,
                                           fmi2Boolean visible, fmi2Boolean logging) {
     Slave *s = calloc(1, sizeof *s);
-    (void)place, (void)visible, (void)logging;
+    (void)place, (void)visible;
     if (!s)
         return NULL;
     s->callbacks = callbacks;
+    s->logging = 1; /* why there is no instance is always told */
     snprintf(s->name, sizeof s->name, "%s", name ? name : "");
     if (type != fmi2CoSimulation || !guid || strcmp(guid, GUID) != 0) {
         fail(s, "this FMU is for co-simulation, and its guid is ", GUID);
         free(s);
         return NULL;
     }
+    if (!*s->name) {
+        fail(s, "an instance needs a name", "");
+        free(s);
+        return NULL;
+    }
+    s->logging = logging != 0;
     begin(s);
     return s;
 }
@@ -116,8 +126,11 @@ FMI2_Export void fmi2FreeInstance(fmi2Component c) { free(c); }
 FMI2_Export fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerant,
                                            fmi2Real tolerance, fmi2Real start,
                                            fmi2Boolean stops, fmi2Real stop) {
-    (void)tolerant, (void)tolerance, (void)stops, (void)stop;
-    ((Slave *)c)->state.start = start;
+    State *s = &((Slave *)c)->state;
+    (void)tolerant, (void)tolerance;
+    s->start = start;
+    s->stops = stops != 0;
+    s->stop = stop;
     return fmi2OK;
 }
 
@@ -225,6 +238,9 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h,
         s->state.aligned = 0;
         target = (int64_t)floor((t - s->state.start + h) / tick + 1e-3);
     }
+    if (s->state.stops &&
+        (double)target > (s->state.stop - s->state.start) / tick + 1e-3)
+        return fail(s, "the step goes past the stop time", "");
     if (target > LAST)
         return fail(s, "the timetable of this FMU ends before that time", "");
     return run_to(&s->state, target) ? fmi2OK : failed(s);
