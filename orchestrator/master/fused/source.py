@@ -78,7 +78,9 @@ class Source:
         ]
         return "\n".join(
             [
+                "#ifdef KERNEL",
                 "#define _POSIX_C_SOURCE 199309L",
+                "#endif",
                 '#include "engine.h"',
                 "#ifdef KERNEL",
                 '#include "kernel.c.h"',
