@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.output import command, echo, print_json, print_table, waiting
+from orchestrator.cli.output import echo, executing, print_json, print_table, waiting
 from orchestrator.cli.run import Json
 
 
-@command
+@executing
 def design(
     name: Annotated[
         str | None,

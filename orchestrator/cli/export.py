@@ -7,11 +7,11 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.completion import run_names
-from orchestrator.cli.output import command, echo, print_json, waiting
+from orchestrator.cli.output import echo, executing, print_json, waiting
 from orchestrator.cli.run import Fmi, Json, Maps, Sets, Swaps
 
 
-@command
+@executing
 def export(
     run: Annotated[
         str,

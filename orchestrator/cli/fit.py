@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from orchestrator.cli.output import (
-    command,
     echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 HEAD = ["value", ">found", ">standard error", ">95 % from", ">to", "unit", ">start"]
 
 
-@command
+@executing
 def fit(
     scenario: ScenarioName,
     data: Annotated[

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.output import command, echo, print_json
+from orchestrator.cli.output import echo, executing, print_json
 from orchestrator.cli.run import Sets, Variant
 
 
-@command
+@executing
 def import_(
     system: Annotated[
         Path, typer.Argument(metavar="SYSTEM", help="an .ssp, an .ssd or a folder")

@@ -1,6 +1,7 @@
 """What all verbs share: where output goes, and how errors end."""
 
 import functools
+import inspect
 import json
 import logging
 import os
@@ -14,10 +15,11 @@ from pathlib import Path
 from textwrap import fill
 from time import perf_counter
 from traceback import extract_tb
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
 
 import typer
 
+from fmus.allowed import only_project
 from orchestrator.errors import shown
 
 if TYPE_CHECKING:
@@ -26,6 +28,10 @@ if TYPE_CHECKING:
 TRACEBACK = "FEEDDRIVE_TRACEBACK"
 MANY = 1000  # rows of a table that is still laid out for the terminal
 P = ParamSpec("P")
+Trust = Annotated[
+    bool,
+    typer.Option("--trust", help="execute Python that is not of this project as well"),
+]
 Progress = Callable[[Fraction], None]
 
 
@@ -52,9 +58,11 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             echo(message, err=True)
             raise typer.Exit(code)
 
+        trusting = bool(kwargs.pop("trust", False))
         try:
             _refuse_names([Path.cwd(), *args, *kwargs.values()])
-            function(*args, **kwargs)
+            with only_project(not trusting):
+                function(*args, **kwargs)
         except FeedDriveError as error:
             fail(str(error), error.exit_code, error.folder)
         except (BuildError, CompileError, UnitError) as error:
@@ -79,6 +87,21 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
             fail(f"a fault in feeddrive: {fault}; {TRACEBACK}=1 shows where", 1)
 
     return guarded
+
+
+def executing(function: Callable[P, None]) -> Callable[P, None]:
+    """Make a ``command`` that may execute Python: with ``--trust``, of anybody."""
+    guarded: Any = command(function)
+    signature = inspect.signature(function)
+    trust = inspect.Parameter(
+        "trust", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Trust
+    )
+    guarded.__signature__ = signature.replace(
+        parameters=[*signature.parameters.values(), trust]
+    )
+    guarded.__annotations__ = {**function.__annotations__, "trust": Trust}
+    executed: Callable[P, None] = guarded
+    return executed
 
 
 def echo(text: str, *, err: bool = False) -> None:

@@ -11,8 +11,8 @@ import typer
 
 from orchestrator.cli.completion import scenario_names
 from orchestrator.cli.output import (
-    command,
     echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -98,7 +98,7 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="show notes of the run")]
 
 
-@command
+@executing
 def run(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006 - Typer copies it
@@ -191,7 +191,7 @@ def run(
         raise typer.Exit(1)
 
 
-@command
+@executing
 def schedule(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006
@@ -206,12 +206,12 @@ def schedule(
     """Show who steps when and in which order, and every hold, delay and age."""
     from orchestrator.master.ages import describe_schedule
     from orchestrator.scenario.compose import compose
-    from orchestrator.session import naming, run_earlier
+    from orchestrator.session import naming
 
     set_up_logs(verbose)
     loaded = load(scenario, sets, swap, map, fmi, variant, socket)
     with naming(loaded), waiting("building FMUs"):
-        plan = describe_schedule(compose(loaded, run_earlier).system)
+        plan = describe_schedule(compose(loaded, None).system)
     if json:
         print_json(_exact(asdict(plan)))
     else:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from orchestrator.cli.output import (
-    command,
     echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -27,7 +27,7 @@ Tools = Annotated[
 ]
 
 
-@command
+@executing
 def second_opinion(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006 - Typer copies it

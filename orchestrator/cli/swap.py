@@ -33,7 +33,7 @@ def load_original(
     swaps: list[str],
     maps: list[str],
     fmi: int | None,
-    sockets: list[str],
+    sockets: Sequence[str] = (),
 ) -> "Scenario":
     """Return the scenario without the swaps, with all else that is set on it.
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.output import (
-    command,
     echo,
     error_console,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 SHOWN = 40  # members in the printed table
 
 
-@command
+@executing
 def sweep(
     scenario: ScenarioName,
     vary: Annotated[
@@ -159,7 +159,7 @@ def _sweep(
             found.keys,
             found.rows,
             found.units,
-            spec.expect,
+            spec.expected_of_run,
             _words(found),
             place.path / "report.html",
         )
@@ -170,7 +170,7 @@ def _sweep(
             "wall_s": found.wall_s,
             "executor": "+".join(found.executors),
             "figures": str(place.path / FIGURES),
-            "yield": found.met if spec.expect else None,
+            "yield": found.met if spec.expected_of_run else None,
             "broken": found.broken(),
             "result": str(place.path),
         }

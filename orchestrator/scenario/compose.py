@@ -97,10 +97,11 @@ class Composition:
         self._values[0].refuse_text(name)
 
 
-def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
+def compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     """Return the system a scenario describes.
 
-    ``earlier`` runs the scenario a design step takes its signals from.
+    ``earlier`` runs the scenario a design step takes its signals from; without it no
+    design step is carried out.
 
     Raises:
         ScenarioError, DesignError, FmuError, WiringError, fmus.build.BuildError.
@@ -112,7 +113,7 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     return replace(found, scenario=read, warnings=tuple(warnings))
 
 
-def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
+def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     spec = scenario.spec
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
     fmus = {
@@ -124,7 +125,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     digests = {name: digest(found.path) for name, found in located.items()}
     _refuse_other_content(scenario, digests)
     nominal = _nominal(scenario)
-    designs = _design(scenario, nominal, fmus, earlier)
+    designs = {} if earlier is None else _design(scenario, nominal, fmus, earlier)
     specs, left = dict(spec.components), []
     for name, swap in swaps(scenario, fmus).items():
         specs[name], not_taken_over = swap.take_over(specs[name])
