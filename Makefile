@@ -9,10 +9,10 @@ demo: $(READY)
 	$(BIN)/feeddrive demo
 
 test: lint
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
 
 test-all: lint
-	$(BIN)/pytest -n auto --every-form
+	$(BIN)/pytest -n auto --dist worksteal --every-form
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -7,11 +7,11 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.completion import run_names
-from orchestrator.cli.output import command, print_json, waiting
+from orchestrator.cli.output import echo, executing, print_json, waiting
 from orchestrator.cli.run import Fmi, Maps, Sets, Swaps
 
 
-@command
+@executing
 def export(
     run: Annotated[
         str,
@@ -61,7 +61,7 @@ def export(
     if json:
         print_json({"file": str(written), "bytes": written.stat().st_size})
     else:
-        typer.echo(f"written to {written}: {written.stat().st_size:,} bytes")
+        echo(f"written to {written}: {written.stat().st_size:,} bytes")
 
 
 def _period(at: str | None) -> Fraction | None:

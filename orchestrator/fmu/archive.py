@@ -19,6 +19,7 @@ from orchestrator.folders.temporary import temporary_folder
 DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)
 MAX_FILES = 20_000
 MAX_BYTES = 2 << 30
+MAX_TEXT = 32 << 20  # bytes of a member that is read as a whole, such as a description
 
 
 def checked_members(path: Path) -> list[zipfile.ZipInfo]:
@@ -72,9 +73,14 @@ def read_member(path: Path, name: str) -> bytes:
     """Return one member of an FMU archive.
 
     Raises:
-        FmuError: the archive is damaged or has no such member.
+        FmuError: the archive is damaged, or has no such member, or it is too large.
     """
-    checked_members(path)
+    sizes = {member.filename: member.file_size for member in checked_members(path)}
+    if sizes.get(name, 0) > MAX_TEXT:
+        raise FmuError(
+            f"{path}: {name} has {sizes[name] / 1e6:.0f} MB unpacked; at most "
+            f"{MAX_TEXT / 1e6:.0f} MB are accepted: ask its supplier for a smaller one"
+        )
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.read(name)

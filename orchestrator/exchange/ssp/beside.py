@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
 
-from fmus.trust import digest
+from fmus.cache import digest
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.load import checked, read_package
 from orchestrator.scenario.compose import Composition

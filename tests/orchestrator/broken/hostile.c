@@ -4,6 +4,7 @@
 #define _GNU_SOURCE
 #include "config.h"
 
+#include <signal.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,8 @@
 enum { OK, WARNS, DISCARD, ERROR };
 enum {
     WELL, WRITES, CLOSES, CUTS, DAEMON, CONSTRUCTOR, CRASH_IN_TERMINATE, CRASH_IN_FREE,
-    HANG_IN_TERMINATE, BEYOND, BEFORE
+    HANG_IN_TERMINATE, BEYOND, BEFORE, STOPS, UNMARKED, FORGES, HANG, EXIT_0,
+    EXIT_0_IN_CONSTRUCTOR, HANG_IN_FREE
 };
 
 typedef struct {
@@ -35,6 +37,8 @@ static void hang(void) {
 __attribute__((constructor)) static void loaded(void) {
     if (HOW == CONSTRUCTOR)
         hang();
+    if (HOW == EXIT_0_IN_CONSTRUCTOR)
+        exit(0);
 }
 
 /* Leave a process that has a session of its own and no parent. */
@@ -44,22 +48,35 @@ static void leave_daemon(void) {
     setsid();
     if (fork())
         _exit(0);
+    char *arguments[] = {"sleep", "1000", NULL}, *nothing[] = {NULL};
+    if (HOW == UNMARKED)
+        execve("/bin/sleep", arguments, nothing);
     for (;;)
         pause();
 }
 
 static void attack(void) {
     static const char noise[64] = {0, 0, 0, 9, '[', '"', 'd'};
+    static const char answer[] = "\0\0\0\x0e[\"done\", null]";
     for (int d = 3; d < DESCRIPTORS; d++) {
         if (HOW == WRITES && write(d, noise, sizeof noise) < 0)
             continue;
+        for (int n = 0; HOW == FORGES && n < 20; n++)
+            if (write(d, answer, sizeof answer - 1) < 0)
+                break;
         if (HOW == CUTS && ftruncate(d, 0) < 0)
             continue;
         if (HOW == CLOSES)
             close(d);
     }
-    if (HOW == DAEMON)
+    if (HOW == DAEMON || HOW == UNMARKED)
         leave_daemon();
+    if (HOW == STOPS)
+        kill(getpid(), SIGSTOP);
+    if (HOW == HANG)
+        hang();
+    if (HOW == EXIT_0)
+        exit(0);
 }
 
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid,
@@ -71,6 +88,8 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid,
 EXPORT void FREE(Instance *i) {
     if (HOW == CRASH_IN_FREE)
         crash();
+    if (HOW == HANG_IN_FREE)
+        hang();
     free(i);
 }
 

@@ -29,6 +29,8 @@ SOURCE = Path(__file__).parents[1] / "broken" / "hostile.c"
 HOW = (
     *("well", "writes", "closes", "cuts", "daemon", "constructor"),
     *("crash in terminate", "crash in free", "hang in terminate", "beyond", "before"),
+    *("stops", "unmarked", "forges", "hang", "exit 0", "exit 0 in constructor"),
+    "hang in free",
 )
 EXECUTORS: list[Choice] = ["kernel", "python"]
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
@@ -48,15 +50,18 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 WITHIN = 2.0  # s, answer_within
 
 
-def hostile(folder: Path, how: str) -> Component:
+def hostile(folder: Path, how: str, apart: bool = True) -> Component:
     library = compile_source(2, SOURCE, folder, (), {"HOW": HOW.index(how)})
     fmu = packed(2, folder, library, DESCRIPTION)
-    isolation = Isolation(process=True, answer_within=WITHIN)
+    isolation = Isolation(process=apart, answer_within=WITHIN)
     return Component("bad", fmu, Fraction(1, 1000), isolation=isolation)
 
 
-def run(folder: Path, how: str, executor: Choice = "kernel") -> Result:
-    whole = system("1/100", [hostile(folder, how)], record={"bad.y": "1/1000"})
+def run(
+    folder: Path, how: str, executor: Choice = "kernel", apart: bool = True
+) -> Result:
+    bad = hostile(folder, how, apart)
+    whole = system("1/100", [bad], record={"bad.y": "1/1000"})
     return simulate(whole, folder / "run", executor=executor)
 
 
@@ -65,6 +70,7 @@ def nothing_is_left() -> Iterator[None]:
     begun = monotonic()
     yield
     assert list(marked()) == []
+    assert list(sleepers()) == []
     assert monotonic() - begun < 60  # no hang; loaded machines start slowly
 
 
@@ -79,13 +85,23 @@ def marked() -> Iterator[int]:
             yield int(folder.name)
 
 
+def sleepers() -> Iterator[int]:
+    """Give the processes that "unmarked" leaves, which have no environment."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            if (folder / "cmdline").read_bytes() == b"sleep\x001000\0":
+                yield int(folder.name)
+        except OSError:
+            continue
+
+
 def assert_whole(result: Result) -> None:
     expected = [0.0, *(k / 1000 for k in range(1, 11))]
     np.testing.assert_allclose(result["bad.y"].values, expected, atol=1e-15)
 
 
 @pytest.mark.parametrize("executor", EXECUTORS)
-@pytest.mark.parametrize("how", ["writes", "closes"])
+@pytest.mark.parametrize("how", ["writes", "closes", "forges"])
 def test_what_spoils_its_descriptors_is_named_and_its_rows_are_right(
     tmp_path: Path, how: str, executor: Choice
 ) -> None:
@@ -102,7 +118,7 @@ def test_what_spoils_its_descriptors_is_named_and_its_rows_are_right(
 
 
 @pytest.mark.parametrize("executor", EXECUTORS)
-@pytest.mark.parametrize("how", ["well", "cuts", "daemon"])
+@pytest.mark.parametrize("how", ["well", "cuts", "daemon", "unmarked"])
 def test_shared_memory_cannot_be_cut_and_daemons_end_with_the_run(
     tmp_path: Path, how: str, executor: Choice
 ) -> None:
@@ -115,6 +131,51 @@ def test_a_constructor_without_end_is_named(tmp_path: Path) -> None:
     text = r"no answer within 5 s \(answer_within\) in load; its process is killed"
     with pytest.raises(SimulationError, match=text):
         run(tmp_path, "constructor")
+
+
+def test_one_that_stops_itself_is_late(tmp_path: Path) -> None:
+    with pytest.raises(SimulationError, match=r"no answer within 2 s .* in doStep"):
+        run(tmp_path, "stops")
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("hang", r"no answer within 2 s \(answer_within\) in doStep; the process of"),
+        ("stops", r"no answer within 2 s \(answer_within\) in doStep; the process of"),
+        ("constructor", r"no answer within 2 s \(answer_within\) in load; the proc"),
+        ("exit 0", "the process of the run ended with exit code 0 during doStep"),
+        (
+            "exit 0 in constructor",
+            "the process of the run ended with exit code 0 during",
+        ),
+    ],
+)
+def test_let_into_the_run_it_ends_within_its_time_and_by_name(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with pytest.raises(SimulationError, match=rf"^bad \(hostile2.fmu\): {said}"):
+        run(tmp_path, how, apart=False)
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("crash in terminate", "ended with signal 11 (SIGSEGV)"),
+        ("crash in free", "ended with signal 11 (SIGSEGV)"),
+        ("hang in free", "did not end and is killed"),
+    ],
+)
+def test_let_into_the_run_its_end_is_warned_of_and_the_rows_are_fine(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with collecting() as warnings:
+        assert_whole(run(tmp_path, how, apart=False))
+    (warning,) = warnings
+    assert warning == (
+        f"bad: the process of the run {said} in terminate and free; the rows are "
+        f"complete"
+    )
 
 
 @pytest.mark.parametrize(
