@@ -44,6 +44,10 @@ class FitError(FeedDriveError):
     """Measured data and a scenario do not make a fit."""
 
 
+class ResponseError(FeedDriveError):
+    """A composition has no such loop, or its response cannot be measured."""
+
+
 class SimulationError(FeedDriveError):
     """A run failed after it had begun; what was recorded stays readable."""
 

@@ -78,9 +78,18 @@ def _expects(file: Path, seen: set[Path]) -> bool:
     if tables.get("expect_like"):
         return True
     names = [bases] if isinstance(bases, str) else bases
-    above = [file.parent / str(name) for name in names if isinstance(names, list)]
+    above = [_base(file, str(name)) for name in names if isinstance(names, list)]
     new = [base for base in above if base not in seen and len(seen) < BASES]
     return any(_expects(base, seen) for base in new)
+
+
+def _base(file: Path, name: str) -> Path:
+    """Return a base's file: beside, or of a published scenario."""
+    if "/" in name and not name.endswith(".toml"):
+        from orchestrator.scenario.reading import STUDIES
+
+        return STUDIES / f"{name}.toml"
+    return file.parent / name
 
 
 class ScenarioFile(pytest.File):
@@ -103,7 +112,8 @@ class ScenarioTest(pytest.Item):
         done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
         spec = done.scenario.spec.expect_like
         updating = spec is not None and self.config.getoption("--feeddrive-update")
-        if text := unmet(done, () if updating else done.unlike):
+        unlike = [*_unanswered(done), *(() if updating else done.unlike)]
+        if text := unmet(done, unlike):
             kept = "\nso it is not made the baseline" if updating else ""
             raise ExpectationsNotMet(text + kept)
         if updating:
@@ -124,6 +134,15 @@ class ScenarioTest(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"scenario {self.path.stem}"
+
+
+def _unanswered(done: "Run") -> list[str]:
+    """Return what is expected of responses and not met."""
+    if not done.scenario.spec.responses:
+        return []
+    from orchestrator.response.expected import respond
+
+    return [c.text for c in respond(done.composition).checks if not c.met]
 
 
 def unmet(done: "Run", unlike: Sequence[str]) -> str:

@@ -20,11 +20,13 @@ from orchestrator.cli import (
     fit,
     fmus,
     importing,
+    response,
     run,
     runs,
     second_opinion,
     study,
     sweep,
+    verify,
 )
 
 app = typer.Typer(
@@ -62,10 +64,12 @@ for verb in (
     build.build,
     fmus.info,
     check.check,
+    verify.verify,
     run.schedule,
     run.run,
     runs.runs,
     sweep.sweep,
+    response.response,
     fit.fit,
     export.export,
     study.reproduce,

@@ -159,7 +159,7 @@ def _sweep(
             found.keys,
             found.rows,
             found.units,
-            spec.expect,
+            spec.expected_of_run,
             _words(found),
             place.path / "report.html",
         )
@@ -170,7 +170,7 @@ def _sweep(
             "wall_s": found.wall_s,
             "executor": "+".join(found.executors),
             "figures": str(place.path / FIGURES),
-            "yield": found.met if spec.expect else None,
+            "yield": found.met if spec.expected_of_run else None,
             "broken": found.broken(),
             "result": str(place.path),
         }

@@ -5,11 +5,12 @@ A scenario is TOML: ``stop``, ``rates``, ``components``, ``connections``,
 
     start value of the FMU < design step < scenario file < --set
 
-``base = "other.toml"`` inherits from a scenario of the same folder, table by
-table, ``base = ["one.toml", "two.toml"]`` from several, the later before the
-earlier; an inherited entry is removed by the value ``false``.  Every complaint
-names the file and the key path.  ``nominal`` is the scenario without what the
-command line changed on components: what design steps are told.
+``base = "other.toml"`` inherits from a scenario of the same folder, or a published
+``<study>/<scenario>``, table by table, ``base = ["one.toml", "two.toml"]`` from
+several, the later before the earlier; an inherited entry is removed by the value
+``false``.  Every complaint names the file and the key path.  ``nominal`` is the
+scenario without what the command line changed on components: what design steps are
+told.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,6 +38,7 @@ REMOVABLE = (
     "design",
     "record",
     "metrics",
+    "responses",
     "expect",
 )
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
@@ -233,6 +235,8 @@ def _gather(
     bases = raw.pop("base", [])
     for base in bases if isinstance(bases, list) else [bases]:
         parent = (file.parent / str(base)).resolve()
+        if not parent.is_file() and "/" in str(base) and not parent.suffix:
+            parent = find_scenario(str(base)).resolve()
         if not parent.is_file():
             known = [f.name for f in file.parent.glob("*.toml")]
             raise ScenarioError(

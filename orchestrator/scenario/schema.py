@@ -34,6 +34,7 @@ from orchestrator.evaluation.schema import (
 )
 from orchestrator.quantities.quantity import parse_period
 from orchestrator.scenario.component import ComponentSpec
+from orchestrator.scenario.responses import FIGURES, ResponseSpec
 from orchestrator.scenario.written import in_floats, parse_scalar, parse_value
 from orchestrator.system import FaultKind, split_name
 
@@ -173,6 +174,7 @@ class Specification(Strict):
     design: dict[str, DesignSpec] = Field(default_factory=dict)
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
+    responses: dict[str, ResponseSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
     expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
@@ -241,9 +243,33 @@ class Specification(Strict):
         for name in self.expect_like.signals if self.expect_like else ():
             self._variable(f'expect_like.signals."{name}"', name)
         for name in self.expect:
-            metric_name = name.rpartition(".")[0]
-            _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)
+            owner, _, figure = name.rpartition(".")
+            if owner in self.responses:
+                _one_of(f'expect."{name}"', "figure", figure, FIGURES)
+            elif self.responses:
+                known = {*self.metrics, *self.responses}
+                _one_of(f'expect."{name}"', "metric or response", owner, known)
+            else:
+                _one_of(f'expect."{name}"', "metric", owner, self.metrics)
+        for name, response in self.responses.items():
+            if name in self.metrics:
+                raise ValueError(f"responses.{name}: is the name of a metric too")
+            for broken in response.breaks:
+                self._variable(f"responses.{name}.break", broken)
         return self
+
+    @property
+    def expected_of_run(self) -> dict[str, Expectation]:
+        """What is expected of metrics."""
+        return {k: e for k, e in self.expect.items() if not self._of_response(k)}
+
+    @property
+    def expected_of_responses(self) -> dict[str, Expectation]:
+        """What is expected of responses, which no run carries out."""
+        return {k: e for k, e in self.expect.items() if self._of_response(k)}
+
+    def _of_response(self, figure: str) -> bool:
+        return figure.rpartition(".")[0] in self.responses
 
     def _variable(self, path: str, variable: str) -> None:
         component, name = split_name(variable)
