@@ -9,9 +9,9 @@ Source: Hanifzadegan 2014, sec. 7.1; the design is ``controllers.synthesis.seria
 from typing import Annotated, NamedTuple
 
 from controllers._scheduled import period
-from controllers.ball_screw_lpv._table import Slopes, Table, table
+from controllers.ball_screw_lpv._table import Table, table
 from controllers.serial import lpv
-from controllers.serial.lpv import Input, Output, State
+from controllers.serial.lpv import Input, State
 from fmus.data import read_data
 from fmus.model import Sampled, Var
 
@@ -24,25 +24,13 @@ class Parameters(NamedTuple):
     x_0: Annotated[float, Var("m", "nut distance at u_c = 0")] = 0.65
 
 
-def prepare(p: Parameters, T_s: float) -> Slopes:
-    """Return the slopes of the table."""
-    return lpv.prepare(lpv.Parameters(*p), T_s)
-
-
-def step(
-    x: State, u: Input, p: Parameters, T_s: float, d: Slopes
-) -> tuple[State, Output]:
-    """Return the command of this sample."""
-    return lpv.step(x, u, lpv.Parameters(*p), T_s, d)
-
-
 model = Sampled(
     "SerialLPVDisturbed",
-    step,
+    lpv.step,
     State(),
     Input(),
     Parameters(),
     period=period(DESIGN),
-    prepare=prepare,
+    prepare=lpv.prepare,
     period_fixed=True,
 )
