@@ -7,11 +7,9 @@ processes may build at once; one that is no longer what was written is made anew
 What is in it is trusted (``fmus.trust``).
 """
 
-import logging
 import os
 import platform as host
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
@@ -20,10 +18,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
-from fmus.cache import cache_folder
+from fmus.cache import building, cache_folder, entry, publish
 from fmus.closure import data_files, files_digest, module_name
 from fmus.load import PACKAGE, BuildError, load_model, sources
-from fmus.trust import digest, is_trusted, trust
+from fmus.trust import is_trusted, trust
 
 if TYPE_CHECKING:
     from fmus.bare_c import Real
@@ -32,8 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["BuildError", "FmuKind", "build", "build_c", "build_made", "load_model"]
 
-LOG = logging.getLogger("feeddrive")
-DIGEST = "sha256"  # file beside an FMU in the cache
 FmuKind: TypeAlias = Literal["native", "python"]
 TOOLS: Mapping[FmuKind, tuple[str, ...]] = {
     "native": ("feeddrive-cosim", "casadi", "ziglang"),
@@ -130,19 +126,10 @@ def build_made(
 
 def _kept(place: Path) -> Path | None:
     """Return the FMU of a place in the cache, None if there is none that is whole."""
-    fmu = next(place.glob("*.fmu"), None)
-    if fmu is None:
-        return None
-    try:
-        noted = (place / DIGEST).read_text(encoding="ascii")
-    except (OSError, UnicodeDecodeError):
-        noted = ""
-    if digest(fmu) == noted:
+    for fmu in entry(place).values():
         if not is_trusted(fmu):
             trust(fmu)
         return fmu
-    LOG.warning("%s: is damaged in the cache, so it is built anew", fmu)
-    shutil.rmtree(place)
     return None
 
 
@@ -264,21 +251,11 @@ def _keep(contents: Mapping[str, bytes], name: str, place: Path) -> Path:
     """Write the archive into the cache in one go; another process may be first."""
     from fmus.archive import write_archive
 
-    place.parent.mkdir(parents=True, exist_ok=True)
-    workspace = Path(tempfile.mkdtemp(dir=place.parent, prefix=".building-"))
-    try:
+    with building(place.parent) as workspace:
         try:
             write_archive(workspace / name, contents)
-            noted = trust(workspace / name)
-            (workspace / DIGEST).write_text(noted, encoding="ascii")
+            trust(workspace / name)
         except OSError as error:  # which need not name a file
             raise OSError(error.errno, error.strerror, str(place / name)) from None
-        workspace.chmod(0o755)
-        try:
-            workspace.rename(place)
-        except OSError:
-            if not (place / name).is_file():
-                raise
-    finally:
-        shutil.rmtree(workspace, ignore_errors=True)
+        publish([workspace / name], place)
     return place / name

@@ -6,19 +6,19 @@ same bytes, wherever they are built.
 """
 
 import hashlib
+import os
 import platform as host
 import shutil
 import struct
 import subprocess
 import sys
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 
+from fmus.cache import building, cache_folder, entry, publish
 from fmus.native_source import adapter_sources, source_names
 
 FLAGS = (
@@ -137,18 +137,18 @@ def compile_library(
     target = _target(platform)
     name = identifier + target.suffix
     digest = _digest(target, {**adapter_sources(), **generated}, identifier)
-    library = cache / digest / name
-    if library.exists():
-        return library
+    place = cache / digest
+    if found := entry(place):
+        return found[name]
     objects = _adapters(target, cache)
-    with _building(cache) as folder:
+    with building(cache) as folder:
         _write(folder, {**_headers(), **generated})
         for file in objects:
             shutil.copyfile(file, folder / file.name)
         inputs = source_names(generated) + [file.name for file in objects]
         _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", name, *inputs, "-lm"], folder)
-        _publish([folder / name], library.parent)
-    return library
+        publish([folder / name], place)
+    return place / name
 
 
 def compile_alone(
@@ -172,16 +172,16 @@ def compile_alone(
     target = _target(platform)
     file = name + target.suffix
     linked = [f"-l{system}" for system in libraries]
-    library = cache / _digest(target, sources, name, *linked, *flags) / file
-    if not library.exists():
-        with _building(cache) as folder:
+    place = cache / _digest(target, sources, name, *linked, *flags)
+    if not entry(place):
+        with building(cache) as folder:
             _write(folder, sources)
             inputs = source_names(sources) + linked
             _zig_cc(
                 target, [*FLAGS, *flags, "-s", "-shared", "-o", file, *inputs], folder
             )
-            _publish([folder / file], library.parent)
-    return library
+            publish([folder / file], place)
+    return place / file
 
 
 def _adapters(target: Platform, cache: Path) -> list[Path]:
@@ -189,13 +189,13 @@ def _adapters(target: Platform, cache: Path) -> list[Path]:
     sources = adapter_sources()
     ready = cache / _digest(target, sources, "adapters")
     names = [f"{Path(name).stem}.o" for name in source_names(sources)]
-    if not ready.exists():
-        with _building(cache) as folder:
+    if not entry(ready):
+        with building(cache) as folder:
             _write(folder, sources)
             # One call each: zig keeps only the first object of several.
             for name, source in zip(names, source_names(sources), strict=True):
                 _zig_cc(target, [*FLAGS, "-c", source, "-o", name], folder)
-            _publish([folder / name for name in names], ready)
+            publish([folder / name for name in names], ready)
     return [ready / name for name in names]
 
 
@@ -235,37 +235,24 @@ def compiler_version() -> str:
         ) from None
 
 
-@contextmanager
-def _building(cache: Path) -> Iterator[Path]:
-    """Give a folder of its own inside the cache, so that renames are atomic."""
-    cache.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=cache, prefix=".building-") as folder:
-        yield Path(folder)
-
-
 def _write(folder: Path, sources: Mapping[str, str]) -> None:
     for name, text in sources.items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
 
 
-def _publish(files: Sequence[Path], folder: Path) -> None:
-    """Move files into a folder that appears at once; the first builder wins."""
-    ready = files[0].parent / ".ready"
-    ready.mkdir()
-    for file in files:
-        file.rename(ready / file.name)
-    try:
-        ready.rename(folder)
-    except OSError:
-        if not folder.exists():
-            raise
-
-
 def _zig_cc(target: Platform, arguments: Sequence[str], folder: Path) -> None:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
     command += arguments
+    environment = dict(os.environ)
+    if "HOME" not in environment:  # where zig would keep what all builds share
+        environment.setdefault("ZIG_GLOBAL_CACHE_DIR", str(cache_folder() / "zig"))
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, errors="replace"
+        command,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=environment,
     )
     if done.returncode == 0:
         return

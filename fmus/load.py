@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
+from fmus.allowed import refusal
 from fmus.closure import (
     DataUnclear,
     NoSuchModule,
@@ -105,8 +106,10 @@ def load_module(module: str) -> ModuleType:
     """Import a model module from its present sources.
 
     Raises:
-        BuildError: no such module, or it does not import.
+        BuildError: no such module, or it does not import, or it may not be executed.
     """
+    if why := refusal(module):
+        raise BuildError(why)
     with at_home():
         return _load_module(module)
 

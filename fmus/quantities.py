@@ -47,6 +47,7 @@ KINDS = {
     "N.m/A": Kind("TorqueConstant", 1.0),
     "V": Kind("ElectricPotential", 1.0),
     "A": Kind("ElectricCurrent", 1.0),
+    "J": Kind("Energy", 1.0),
     "ohm": Kind("Resistance", 1.0),
     "H": Kind("Inductance", 1e-2),
     "Pa": Kind("Pressure", 1e9),
@@ -69,7 +70,7 @@ FACTORS = {
     ("s", "ms"): 1e3,
 }
 SMALL = 1e-5  # m: shown in micrometres
-NEVER_NEGATIVE = ("Hz", "kg", "kg.m2", "kg/m3", "H", "ohm")
+NEVER_NEGATIVE = ("Hz", "kg", "kg.m2", "kg/m3", "H", "ohm", "N.m/A")
 SIGNALS = ("input", "output", "state")
 
 
@@ -119,12 +120,17 @@ def why_empty(variable: Variable, cell: str) -> str | None:
             return None if signal else "its start or its state tells the size"
         case "display":
             return "shown in its own unit"
+        case _ if variable.var.constant:
+            return "a constant"
+        case "min" if variable.block == "parameter":
+            return "either sign has a meaning"
         case "min" if variable.block in SIGNALS:
             return "a signal of either sign"
         case "max" if variable.block in SIGNALS:
             return "the drive limits it, not nature"
-        case _:
+        case "min" | "max":
             return "nature sets no bound"
+    return None
 
 
 def _kind(variable: Variable) -> Kind:

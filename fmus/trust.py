@@ -6,16 +6,9 @@ lies and whatever it is called, is what was built here.
 """
 
 from functools import lru_cache
-from hashlib import file_digest
 from pathlib import Path
 
-from fmus.cache import cache_folder
-
-
-def digest(file: Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text."""
-    with file.open("rb") as opened:
-        return file_digest(opened, "sha256").hexdigest()
+from fmus.cache import cache_folder, digest
 
 
 def trust(archive: Path) -> str:

@@ -18,6 +18,7 @@ from typing import NamedTuple
 from fmus import unit_names
 from fmus.unit_names import BASE, Named
 
+LONGEST, HIGHEST = 200, 99  # characters and exponent of a unit
 _FACTOR = re.compile(
     r"(?P<name>[^\W\d_]+|[°%µμΩ]+[^\W\d_]*)"
     r"(?:(?:\*\*|\^)\(?(?P<power>[+-]?\d+)\)?|(?P<exponent>[+-]?\d+))?|(?P<one>1)"
@@ -94,12 +95,16 @@ def _of_table(text: str) -> BaseUnit:
 
 
 def _read(text: str, names: Mapping[str, BaseUnit]) -> BaseUnit:
+    if len(text) > LONGEST:
+        raise UnitError(f"unit {text[:20]!r}...: longer than {LONGEST} characters")
     plain = text.translate(_RAISED).strip()
     whole = unit_names.find(plain)
     unit = whole or _Grammar(plain, names).unit()
-    return BaseUnit(
-        **unit.exponents, factor=float(unit.factor), offset=float(unit.offset)
-    )
+    try:
+        factor, offset = float(unit.factor), float(unit.offset)
+    except OverflowError:
+        raise UnitError(f"unit {text!r} has a factor beyond all numbers") from None
+    return BaseUnit(**unit.exponents, factor=factor, offset=offset)
 
 
 def conversion(
@@ -169,6 +174,8 @@ class _Grammar:
         if match["one"]:
             return Named({})
         exponent = int(match["power"] or match["exponent"] or 1)
+        if abs(exponent) > HIGHEST:
+            raise UnitError(f"unit {self.text!r} has an exponent beyond {HIGHEST}")
         squared = f"{match['name']}{exponent}"  # kgm2
         if exponent != 1 and (spelled := unit_names.find(squared)):
             return spelled

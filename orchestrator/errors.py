@@ -7,6 +7,7 @@ was expected, and what to do.  ``exit_code`` is what the command returns.
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from unicodedata import category
 
 
 class FeedDriveError(Exception):
@@ -43,6 +44,10 @@ class FitError(FeedDriveError):
     """Measured data and a scenario do not make a fit."""
 
 
+class ResponseError(FeedDriveError):
+    """A composition has no such loop, or its response cannot be measured."""
+
+
 class SimulationError(FeedDriveError):
     """A run failed after it had begun; what was recorded stays readable."""
 
@@ -57,6 +62,20 @@ class Interrupted(FeedDriveError):
     """A run was stopped by Ctrl-C after rows had been written; says where they are."""
 
     exit_code = 130
+
+
+def shown(text: str) -> str:
+    """Return a text for a terminal: what would steer it is shown instead of obeyed.
+
+    Control characters, those that turn the direction of writing and halves of
+    characters (of names that are no UTF-8) are written as Python writes them.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or c in "\n\t" or category(c) == "Zs" else repr(c)[1:-1]
+        for c in text
+    )
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -12,7 +12,6 @@ Nothing of feeddrive is imported before a scenario is found or a fixture asked
 for.
 """
 
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from orchestrator.scenario.reading import Scenario
 
 LOCKS = ".lock.toml"
+BASES = 200  # files that are looked into for one
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -49,21 +49,27 @@ def pytest_collect_file(
         return None
     named = parent.session.isinitpath(file_path)
     aside = file_path.name.startswith("_") or file_path.name.endswith(LOCKS)
-    if (aside and not named) or not _expects(file_path, ()):
+    if (aside and not named) or not _expects(file_path, set()):
         return None
     found: ScenarioFile = ScenarioFile.from_parent(parent, path=file_path)
     return found
 
 
-def _expects(file: Path, heirs: tuple[Path, ...]) -> bool:
+def _expects(file: Path, seen: set[Path]) -> bool:
     """Tell whether a file is a scenario with expectations, its own or a base's."""
+    from orchestrator.toml import read_toml_text, toml
+
+    seen.add(file)
     try:
-        text = file.read_text(encoding="utf-8")
-        tables = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError):
+        text = read_toml_text(file)
+    except (OSError, ValueError):
         return False
-    except tomllib.TOMLDecodeError:
-        return not heirs and "[expect" in text  # its test says what is wrong
+    if not any(word in text for word in ("base", "components", "[expect")):
+        return False
+    try:
+        tables = toml(text)
+    except ValueError:
+        return len(seen) == 1 and "[expect" in text  # its test says what is wrong
     bases = tables.get("base", [])
     if "components" not in tables and not bases:
         return False
@@ -72,8 +78,18 @@ def _expects(file: Path, heirs: tuple[Path, ...]) -> bool:
     if tables.get("expect_like"):
         return True
     names = [bases] if isinstance(bases, str) else bases
-    above = [file.parent / str(name) for name in names if isinstance(names, list)]
-    return any(_expects(base, (*heirs, file)) for base in above if base not in heirs)
+    above = [_base(file, str(name)) for name in names if isinstance(names, list)]
+    new = [base for base in above if base not in seen and len(seen) < BASES]
+    return any(_expects(base, seen) for base in new)
+
+
+def _base(file: Path, name: str) -> Path:
+    """Return a base's file: beside, or of a published scenario."""
+    if "/" in name and not name.endswith(".toml"):
+        from orchestrator.scenario.reading import STUDIES
+
+        return STUDIES / f"{name}.toml"
+    return file.parent / name
 
 
 class ScenarioFile(pytest.File):
@@ -96,7 +112,8 @@ class ScenarioTest(pytest.Item):
         done = run(self.path, _folder(self.config, self.nodeid), overwrite=True)
         spec = done.scenario.spec.expect_like
         updating = spec is not None and self.config.getoption("--feeddrive-update")
-        if text := unmet(done, () if updating else done.unlike):
+        unlike = [*_unanswered(done), *(() if updating else done.unlike)]
+        if text := unmet(done, unlike):
             kept = "\nso it is not made the baseline" if updating else ""
             raise ExpectationsNotMet(text + kept)
         if updating:
@@ -109,14 +126,23 @@ class ScenarioTest(pytest.Item):
         excinfo: pytest.ExceptionInfo[BaseException],
         style: Any = None,
     ) -> Any:
-        from orchestrator.errors import FeedDriveError
+        from orchestrator.errors import FeedDriveError, shown
 
         if isinstance(excinfo.value, ExpectationsNotMet | FeedDriveError):
-            return str(excinfo.value)
+            return shown(str(excinfo.value))
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"scenario {self.path.stem}"
+
+
+def _unanswered(done: "Run") -> list[str]:
+    """Return what is expected of responses and not met."""
+    if not done.scenario.spec.responses:
+        return []
+    from orchestrator.response.expected import respond
+
+    return [c.text for c in respond(done.composition).checks if not c.met]
 
 
 def unmet(done: "Run", unlike: Sequence[str]) -> str:

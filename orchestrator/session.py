@@ -151,12 +151,23 @@ def _evaluated(
         result,
         composition,
         figures,
-        check(spec.expect, figures),
+        check(spec.expected_of_run, figures),
         diverged,
-        (*composition.warnings, *warnings),
+        (*composition.warnings, *warnings, *_not_measured(composition)),
         place.number,
         unlike(composition.scenario.file, spec.expect_like, result),
     )
+
+
+def _not_measured(composition: Composition) -> list[str]:
+    """Say that a run does not carry out the responses of its scenario."""
+    names = ", ".join(composition.scenario.spec.responses)
+    if not names:
+        return []
+    return [
+        f"responses {names}: a run does not measure them, nor what is expected of "
+        f"them; `feeddrive response {composition.scenario.name}` does, and pytest"
+    ]
 
 
 def _diverged_before(composition: Composition, folder: Path) -> str | None:

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from orchestrator.errors import shown
+
 LOG = logging.getLogger("feeddrive")
 _COLLECTED: ContextVar[list[str] | None] = ContextVar("warnings", default=None)
 
@@ -18,9 +20,9 @@ def warn(text: str) -> None:
     """Say something once to the user, and to the run that is being made."""
     collected = _COLLECTED.get()
     if collected is None:
-        LOG.warning("%s", text)
+        LOG.warning("%s", shown(text))
     elif text not in collected:
-        LOG.warning("%s", text)
+        LOG.warning("%s", shown(text))
         collected.append(text)
 
 

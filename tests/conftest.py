@@ -21,6 +21,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="test every FMU form (Python, model exchange, platforms) of every model",
     )
+    parser.addoption(
+        "--hostile",
+        action="store_true",
+        help="run all of tests/hostile, with draws that change with the commit",
+    )
+    parser.addoption(
+        "--every-failure",
+        action="store_true",
+        help="with --hostile: let every call to the system fail, not those drawn",
+    )
+    parser.addoption(
+        "--fuzz-examples",
+        type=int,
+        metavar="N",
+        help="with --hostile: examples for every reader that is fuzzed",
+    )
 
 
 @pytest.fixture(scope="session", autouse=True)

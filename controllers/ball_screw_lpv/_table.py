@@ -20,15 +20,19 @@ from fmus.table import lookup_rows, slopes
 class Table(NamedTuple):
     """Systems at nut distances, one matrix [A B; C D] below the other."""
 
-    x_c: Annotated[FloatArray, Var("m", "nut distances of the table", fixed=True)]
+    x_c: Annotated[
+        FloatArray, Var("m", "nut distances of the table", fixed=True, min=0)
+    ]
     K: Annotated[FloatArray, Var("1", "[A B; C D] at each of them", fixed=True)]
 
 
 class TableOfMass(NamedTuple):
     """Systems at nut distances and, for each, at masses of the workpiece."""
 
-    x_c: Annotated[FloatArray, Var("m", "nut distances of the table", fixed=True)]
-    m_wor: Annotated[FloatArray, Var("kg", "masses of the table", fixed=True)]
+    x_c: Annotated[
+        FloatArray, Var("m", "nut distances of the table", fixed=True, min=0)
+    ]
+    m_wor: Annotated[FloatArray, Var("kg", "masses of the table", fixed=True, min=0)]
     K: Annotated[FloatArray, Var("1", "[A B; C D] at each of them", fixed=True)]
 
 

@@ -35,7 +35,7 @@ class State(NamedTuple):
 class Input(NamedTuple):
     u_m: Annotated[float, Var("m", "motor position as table travel")] = 0.0
     u_c: Annotated[float, Var("m", "table position")] = 0.0
-    m_wor: Annotated[float, Var("kg", "mass of the workpiece")] = 0.0
+    m_wor: Annotated[float, Var("kg", "mass of the workpiece", min=0)] = 0.0
 
 
 class Output(NamedTuple):

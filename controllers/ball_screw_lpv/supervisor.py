@@ -19,7 +19,7 @@ class State(NamedTuple):
 
 
 class Input(NamedTuple):
-    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing")] = 0.4
+    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing", min=0)] = 0.4
 
 
 class Output(NamedTuple):
@@ -27,8 +27,8 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    x_12: Annotated[float, Var("m", "region 1 ends")] = 0.27
-    x_21: Annotated[float, Var("m", "region 2 begins")] = 0.25
+    x_12: Annotated[float, Var("m", "region 1 ends", min=0)] = 0.27
+    x_21: Annotated[float, Var("m", "region 2 begins", min=0)] = 0.25
 
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:

@@ -19,9 +19,9 @@ class State(NamedTuple):
 
 class Input(NamedTuple):
     a_yr: Annotated[float, Var("m/s2", "commanded acceleration")] = 0.0
-    m_11: Annotated[float, Var("V.s2/m", "mass matrix, left end")] = 0.0
+    m_11: Annotated[float, Var("V.s2/m", "mass matrix, left end", min=0)] = 0.0
     m_12: Annotated[float, Var("V.s2/m", "mass matrix, coupling")] = 0.0
-    m_22: Annotated[float, Var("V.s2/m", "mass matrix, right end")] = 0.0
+    m_22: Annotated[float, Var("V.s2/m", "mass matrix, right end", min=0)] = 0.0
 
 
 class Output(NamedTuple):

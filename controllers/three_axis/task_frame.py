@@ -63,7 +63,7 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     past = [np.concatenate([now, kept]) for now, kept in _pairs(u, x)]
     share = np.maximum(1.0 - np.abs(t_d / T_s - np.arange(DEPTH)), 0.0)
     r_x, r_y, t_x, t_y = (np.dot(share, kept) for kept in past)
-    size = np.maximum(np.sqrt(t_x * t_x + t_y * t_y), 1e-9)
+    size = np.sqrt(np.maximum(t_x * t_x + t_y * t_y, 1e-18))
     e_nd = (t_x * (r_y - u.u_cy) - t_y * (r_x - u.u_cx)) / size
     kept = (row[: DEPTH - 1] for row in past)
     k = np.minimum(x.k + 1, DEPTH - 1)

@@ -43,7 +43,7 @@ def until_breaks(
     base = load_scenario(scenario, list(sets))
     with naming(base):
         composition = compose(base, run_earlier)
-    if not base.spec.expect:
+    if not base.spec.expected_of_run:
         raise ScenarioError(f"{base.file}: has no [expect] that could break")
     nominal = composition.parameter(key).value
     if nominal == 0:

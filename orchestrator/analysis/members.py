@@ -195,7 +195,7 @@ class Group:
         try:
             figures = evaluate(spec.metrics, signals, parameter, ended)
             diverged = divergence(spec.metrics, signals, parameter)
-            checks = check(spec.expect, figures)
+            checks = check(spec.expected_of_run, figures)
             return Outcome(job.index, figures, checks, diverged)
         except FeedDriveError as error:
             return Outcome(job.index, {}, failure=str(error))

@@ -74,6 +74,7 @@ class Archive:
     @cached_property
     def model(self) -> Any:
         """The model description as fmpy reads it."""
+        _ = self.xml  # refused where it is too large
         return self._read(read_model_description, str(self.path), False)
 
     @cached_property

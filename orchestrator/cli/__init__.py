@@ -5,6 +5,9 @@ its text), progress and logs to stderr.  Exit code 0 done, 1 a run or an expecta
 failed, 2 wrong usage or input, 130 interrupted; never a traceback.
 """
 
+import os
+import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -17,6 +20,7 @@ from orchestrator.cli import (
     fit,
     fmus,
     importing,
+    response,
     run,
     runs,
     second_opinion,
@@ -63,6 +67,7 @@ for verb in (
     run.run,
     runs.runs,
     sweep.sweep,
+    response.response,
     fit.fit,
     export.export,
     study.reproduce,
@@ -75,4 +80,18 @@ app.command("import")(importing.import_)
 
 def main() -> None:
     """Run the command line."""
+    _open_what_is_closed()
     app(prog_name="feeddrive")
+
+
+def _open_what_is_closed() -> None:
+    """Give standard streams that the caller has closed a place to go to."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest that is free
+    if sys.stdout is None:
+        sys.stdout = Path(os.devnull).open("w")  # noqa: SIM115 - until the end
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115

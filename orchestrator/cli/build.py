@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.fmus import Json, model_modules
-from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.cli.output import executing, print_json, print_table, waiting
 from orchestrator.cli.rows import Between, Rate, interpolation, time
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Order:
     rate: Fraction | None
 
 
-@command
+@executing
 def build(
     modules: Annotated[
         list[str] | None,

@@ -8,14 +8,14 @@ from zipfile import ZipFile, is_zipfile
 import typer
 
 from orchestrator.cli.importing import check_package
-from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.cli.output import echo, executing, print_json, print_table, waiting
 from orchestrator.cli.run import Variant
 
 if TYPE_CHECKING:
     from orchestrator.checks import Report
 
 
-@command
+@executing
 def check(
     fmu: Annotated[
         str,
@@ -83,14 +83,18 @@ def _refuse_no_fmu(path: Path) -> None:
     from orchestrator.checks.archive import Archive
     from orchestrator.checks.item import CannotRun
     from orchestrator.errors import FmuError
+    from orchestrator.fmu.archive import DAMAGE
     from orchestrator.fmu.description import refuse_other_fmi
 
     if not path.is_file():
         return  # told when it is opened
     if not is_zipfile(path):
         raise FmuError(f"{path}: is no FMU, which is a zip archive, but {_what(path)}")
-    with ZipFile(path) as archive:
-        names = archive.namelist()
+    try:
+        with ZipFile(path) as archive:
+            names = archive.namelist()
+    except DAMAGE:
+        return  # a finding
     if not any(name.endswith("modelDescription.xml") for name in names):
         held = ", ".join(names[:3]) or "nothing"
         raise FmuError(
@@ -137,14 +141,14 @@ def print_report(report: "Report") -> None:
     for outcome in report.outcomes:
         for finding in outcome.findings:
             label = f"{outcome.item.number} {outcome.item.part}, {finding.severity}"
-            typer.echo(f"{label}: {finding.text}")
-            typer.echo(f"    {report.clause(outcome.item)}")
-            typer.echo(f"    remedy: {finding.mend or outcome.item.mend}")
+            echo(f"{label}: {finding.text}")
+            echo(f"    {report.clause(outcome.item)}")
+            echo(f"    remedy: {finding.mend or outcome.item.mend}")
     for note in report.notes:
-        typer.echo(f"note: {note}")
+        echo(f"note: {note}")
     counts = (
         f"{n} findings" if verdict == "finding" and n > 1 else f"{n} {verdict}"
         for verdict, n in report.counts.items()
         if n
     )
-    typer.echo(f"{report.fmu.name}: {', '.join(counts)}")
+    echo(f"{report.fmu.name}: {', '.join(counts)}")

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.cli.output import echo, executing, print_json, print_table, waiting
 from orchestrator.cli.run import Json
 
 
-@command
+@executing
 def design(
     name: Annotated[
         str | None,
@@ -62,4 +62,4 @@ def design(
     head = ["file", "quantity", ">shipped", ">anew", ">relative difference"]
     print_table(head, rows)
     told = ", ".join(str(chosen.folder / file) for file in files)
-    typer.echo(f"written: {told}" if write else "nothing written (--write does)")
+    echo(f"written: {told}" if write else "nothing written (--write does)")

@@ -7,11 +7,11 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.completion import run_names
-from orchestrator.cli.output import command, print_json, waiting
+from orchestrator.cli.output import echo, executing, print_json, waiting
 from orchestrator.cli.run import Fmi, Maps, Sets, Swaps
 
 
-@command
+@executing
 def export(
     run: Annotated[
         str,
@@ -50,7 +50,7 @@ def export(
     if output.suffix.lower() == ".ssp":
         if at is not None:
             raise ScenarioError("--at: chooses rows of a run, and an .ssp holds none")
-        written = _package(run, sets, swap, map, fmi, output, ssp or "1.0")
+        written = _package(run, sets, swap, map, fmi, output, ssp)
     elif ssp is not None or sets or swap or map or fmi is not None:
         raise ScenarioError(
             f"{output}: --ssp, --set, --swap, --map and --fmi are for a scenario as "
@@ -61,7 +61,7 @@ def export(
     if json:
         print_json({"file": str(written), "bytes": written.stat().st_size})
     else:
-        typer.echo(f"written to {written}: {written.stat().st_size:,} bytes")
+        echo(f"written to {written}: {written.stat().st_size:,} bytes")
 
 
 def _period(at: str | None) -> Fraction | None:
@@ -81,7 +81,7 @@ def _package(
     maps: list[str],
     fmi: int | None,
     output: Path,
-    version: str,
+    version: str | None,
 ) -> Path:
     from orchestrator.cli.running import load
     from orchestrator.exchange.ssp.write import export_ssp

@@ -7,9 +7,7 @@ and ours side by side, ours with a mark for its verdict.
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 
-import typer
-
-from orchestrator.cli.output import print_table
+from orchestrator.cli.output import echo, print_table
 from orchestrator.reproduction.published import Statement, Verdict
 from orchestrator.reproduction.reproduce import Reproduction
 from orchestrator.reproduction.table import Table
@@ -36,14 +34,14 @@ def print_reproduction(study: str, done: Reproduction) -> None:
             _print_source_table(table, inside)
             _print_notes(list(inside.values()), agreement, _groups(table))
     if figures:
-        typer.echo("\nsingle figures")
+        echo("\nsingle figures")
         _print_single(list(figures.values()), agreement)
         _print_notes(list(figures.values()), agreement, {})
 
 
 def _print_counts(study: str, done: Reproduction) -> None:
     counted = summary(done.figures)
-    typer.echo(f"{study}: {done.reference.title}\n{done.reference.source}")
+    echo(f"{study}: {done.reference.title}\n{done.reference.source}")
     rows = []
     for verdict, meaning in MEANING.items():
         of = counted["verdicts"][verdict]
@@ -53,7 +51,7 @@ def _print_counts(study: str, done: Reproduction) -> None:
     head = ["", "verdict", *(f">{kind}" for kind in CLASSES), ">all", "means"]
     print_table(head, rows)
     regression = counted["regression"]
-    typer.echo(
+    echo(
         f"{counted['figures']} figures; a number agrees within "
         f"{100 * done.reference.agreement:g} % where no other agreement is shown; "
         "in tables ours stand right of the published\n"
@@ -82,7 +80,7 @@ def _print_source_table(table: Table, figures: Mapping[str, Figure]) -> None:
     classes = {spec.class_ for spec in specs}
     told = (one_unit, ", ".join(sorted(published)), ", ".join(sorted(classes)))
     where = f"{table.where}: " * (table.where != "-")
-    typer.echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
+    echo(f"\n{where}{table.title} ({'; '.join(filter(None, told))})")
     groups = _groups(table)
     of = {name: _common_unit(ids, figures) for name, ids in groups.items()}
     in_head = len(units) > 1 and all(of[column] is not None for column in table.columns)
@@ -169,7 +167,7 @@ def _print_notes(
                 rest -= ids
         said = [*whole, _shortened([name for name in names if name in rest])]
         of = "; ".join(filter(None, said))
-        typer.echo("  " + (text if len(names) == len(figures) > 1 else f"{of}: {text}"))
+        echo("  " + (text if len(names) == len(figures) > 1 else f"{of}: {text}"))
 
 
 def _shortened(names: Sequence[str]) -> str:

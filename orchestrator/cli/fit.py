@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from orchestrator.cli.output import (
-    command,
+    echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 HEAD = ["value", ">found", ">standard error", ">95 % from", ">to", "unit", ">start"]
 
 
-@command
+@executing
 def fit(
     scenario: ScenarioName,
     data: Annotated[
@@ -84,8 +85,8 @@ def fit(
         return
     print_table(HEAD, _rows(found), f"{loaded.name} fitted to {data.name}")
     for line in _words(found):
-        typer.echo(line)
-    typer.echo(f"scenario: {target}\nreport: {page}")
+        echo(line)
+    echo(f"scenario: {target}\nreport: {page}")
 
 
 def _bracket(text: str) -> "tuple[str, Bracket]":

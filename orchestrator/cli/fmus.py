@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from orchestrator.cli.output import command, print_json, print_table, waiting
+from orchestrator.cli.output import (
+    command,
+    echo,
+    executing,
+    print_json,
+    print_table,
+    waiting,
+)
 from orchestrator.quantities.quantity import parse_period, rate, time_text
 
 if TYPE_CHECKING:
@@ -72,7 +79,7 @@ def _model_facts(module: str, model: "Model") -> dict[str, Any]:
     }
 
 
-@command
+@executing
 def info(
     fmu: Annotated[str, typer.Argument(metavar="FMU", help="an .fmu file or a module")],
     json: Json = False,
@@ -91,10 +98,10 @@ def info(
         print_json(facts)
         return
     variables = facts.pop("variables")
-    typer.echo(f"{facts.pop('name')}: {facts.pop('description')}")
+    echo(f"{facts.pop('name')}: {facts.pop('description')}")
     for key, value in facts.items():
         text = ", ".join(value) if isinstance(value, list) else str(value)
-        typer.echo(f"  {key.replace('_', ' '):14} {text}")
+        echo(f"  {key.replace('_', ' '):14} {text}")
     head = ("name", "causality", "variability", "unit", "start", "min", "max")
     print_table(
         [*head, "description"],

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from orchestrator.cli.output import command, print_json
+from orchestrator.cli.output import echo, executing, print_json
 from orchestrator.cli.run import Sets, Variant
 
 
-@command
+@executing
 def import_(
     system: Annotated[
         Path, typer.Argument(metavar="SYSTEM", help="an .ssp, an .ssd or a folder")
@@ -28,7 +28,7 @@ def import_(
     if json:
         print_json({"file": str(file)})
     else:
-        typer.echo(f"written to {file}; run it with: feeddrive run {file}")
+        echo(f"written to {file}; run it with: feeddrive run {file}")
 
 
 def check_package(system: Path, variant: str | None, *, json: bool) -> None:
@@ -50,7 +50,7 @@ def check_package(system: Path, variant: str | None, *, json: bool) -> None:
             }
         )
     else:
-        typer.echo(
+        echo(
             f"{system}: SSP {tables.structure.version}, "
             f"{len(tables.flat.parts)} components, {len(tables.flat.fed)} connections"
         )
@@ -60,8 +60,8 @@ def check_package(system: Path, variant: str | None, *, json: bool) -> None:
             ("note", tables.notes),
         ):
             for one in found:
-                typer.echo(f"{label}: {one}")
+                echo(f"{label}: {one}")
         for key, proposal in tables.lacking.items():
-            typer.echo(f"nobody says {key}{': ' if proposal else ''}{proposal}")
+            echo(f"nobody says {key}{': ' if proposal else ''}{proposal}")
     if of_schema or tables.faults:
         raise typer.Exit(1)

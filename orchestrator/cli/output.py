@@ -1,11 +1,12 @@
 """What all verbs share: where output goes, and how errors end."""
 
 import functools
+import inspect
 import json
 import logging
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
@@ -14,9 +15,12 @@ from pathlib import Path
 from textwrap import fill
 from time import perf_counter
 from traceback import extract_tb
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
 
 import typer
+
+from fmus.allowed import only_project
+from orchestrator.errors import shown
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -24,6 +28,10 @@ if TYPE_CHECKING:
 TRACEBACK = "FEEDDRIVE_TRACEBACK"
 MANY = 1000  # rows of a table that is still laid out for the terminal
 P = ParamSpec("P")
+Trust = Annotated[
+    bool,
+    typer.Option("--trust", help="execute Python that is not of this project as well"),
+]
 Progress = Callable[[Fraction], None]
 
 
@@ -47,11 +55,14 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
                 with _stdout_closed_when_full():
                     print_json({"error": message, **rows})
             typer.secho("error: ", fg="red", bold=True, nl=False, err=True)
-            typer.echo(message, err=True)
+            echo(message, err=True)
             raise typer.Exit(code)
 
+        trusting = bool(kwargs.pop("trust", False))
         try:
-            function(*args, **kwargs)
+            _refuse_names([Path.cwd(), *args, *kwargs.values()])
+            with only_project(not trusting):
+                function(*args, **kwargs)
         except FeedDriveError as error:
             fail(str(error), error.exit_code, error.folder)
         except (BuildError, CompileError, UnitError) as error:
@@ -78,10 +89,47 @@ def command(function: Callable[P, None]) -> Callable[P, None]:
     return guarded
 
 
+def executing(function: Callable[P, None]) -> Callable[P, None]:
+    """Make a ``command`` that may execute Python: with ``--trust``, of anybody."""
+    guarded: Any = command(function)
+    signature = inspect.signature(function)
+    trust = inspect.Parameter(
+        "trust", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Trust
+    )
+    guarded.__signature__ = signature.replace(
+        parameters=[*signature.parameters.values(), trust]
+    )
+    guarded.__annotations__ = {**function.__annotations__, "trust": Trust}
+    executed: Callable[P, None] = guarded
+    return executed
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print a text; what an FMU or a file put into it to steer a terminal is shown."""
+    typer.echo(shown(text), err=err)
+
+
 def _was_printing(error: OSError) -> bool:
     """Tell whether what failed was a print, which names no file."""
     names = {frame.name for frame in extract_tb(error.__traceback__)}
     return bool(names & {"echo", "print_table"})
+
+
+def _refuse_names(given: Iterable[object]) -> None:
+    """Refuse names that could not be written down: those that are no UTF-8."""
+    from orchestrator.errors import ScenarioError
+
+    for value in given:
+        if isinstance(value, list):
+            _refuse_names(value)
+        elif isinstance(value, str | Path):
+            try:
+                str(value).encode()
+            except UnicodeEncodeError:
+                raise ScenarioError(
+                    f"{value}: this name is no UTF-8, in which files of runs are "
+                    f"written; rename it"
+                ) from None
 
 
 @contextmanager
@@ -99,7 +147,7 @@ def _close_stdout() -> None:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object on stdout; numbers that are not finite become null."""
-    typer.echo(json.dumps(_finite(content), indent=2, allow_nan=False))
+    echo(json.dumps(_finite(content), indent=2, allow_nan=False))
 
 
 def _finite(value: Any) -> Any:
@@ -137,7 +185,11 @@ def print_table(
     if sum(widths) + 3 * len(head) > console.width:
         _print_paragraphs(names, rows, title, console.width)
         return
-    table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
+    table = Table(
+        title=Text(shown(title)) if title else None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+    )
     for name, width in zip(head, widths, strict=True):
         table.add_column(
             name.removeprefix(">"),
@@ -146,7 +198,7 @@ def print_table(
             overflow="fold",
         )
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
+        table.add_row(*(Text(shown(cell)) for cell in row))
     console.print(table)
 
 
@@ -163,19 +215,19 @@ def _print_lines(
     printed = [title] if title else []
     printed += [line.format(*names).rstrip(), "-" * (sum(widths) + 2 * len(widths))]
     printed += [line.format(*row).rstrip() for row in rows]
-    typer.echo("\n".join(printed))
+    echo("\n".join(printed))
 
 
 def _print_paragraphs(
     names: Sequence[str], rows: Sequence[Sequence[str]], title: str, width: int
 ) -> None:
-    typer.echo(f"\n{title}\n" if title else "")
+    echo(f"\n{title}\n" if title else "")
     for row in rows:
         told = zip(names[1:], row[1:], strict=True)
         facts = "; ".join(f"{name} {cell}" for name, cell in told if cell)
-        typer.echo(row[0])
+        echo(row[0])
         if facts:
-            typer.echo(fill(facts, width, initial_indent="  ", subsequent_indent="  "))
+            echo(fill(facts, width, initial_indent="  ", subsequent_indent="  "))
 
 
 def _least_width(cells: Sequence[str], *, last: bool) -> int:
@@ -197,10 +249,16 @@ def set_up_logs(verbose: bool) -> None:
     from rich.logging import RichHandler
 
     handler = RichHandler(console=error_console(), show_path=False, show_time=False)
+    handler.addFilter(_shown)
     log = logging.getLogger("feeddrive")
     log.handlers[:] = [handler]
     log.setLevel(logging.INFO if verbose else logging.WARNING)
     log.propagate = False
+
+
+def _shown(record: logging.LogRecord) -> bool:
+    record.msg, record.args = shown(record.getMessage()), None
+    return True
 
 
 @contextmanager

@@ -11,7 +11,8 @@ import typer
 
 from orchestrator.cli.completion import scenario_names
 from orchestrator.cli.output import (
-    command,
+    echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -88,7 +89,7 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="show notes of the run")]
 
 
-@command
+@executing
 def run(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006 - Typer copies it
@@ -134,7 +135,7 @@ def run(
         if json:
             print_json({"map": text, "file": str(map_out)})
             return
-        typer.echo(
+        echo(
             f"{text}\nproposed and not applied: check every line, above all gains and "
             f"signs, and run again with --map {map_out}"
         )
@@ -171,16 +172,16 @@ def run(
     changed = bool(sets or swap)  # then figures may well differ, but not be gone
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
-        typer.echo("expectation not met: " + "; ".join(failed), err=True)
+        echo("expectation not met: " + "; ".join(failed), err=True)
     if done.diverged:
-        typer.echo(done.diverged, err=True)
+        echo(done.diverged, err=True)
     for text in done.unlike:
-        typer.echo(text, err=True)
+        echo(text, err=True)
     if failed or done.diverged or (done.unlike and not changed):
         raise typer.Exit(1)
 
 
-@command
+@executing
 def schedule(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006
@@ -194,12 +195,12 @@ def schedule(
     """Show who steps when and in which order, and every hold, delay and age."""
     from orchestrator.master.ages import describe_schedule
     from orchestrator.scenario.compose import compose
-    from orchestrator.session import naming, run_earlier
+    from orchestrator.session import naming
 
     set_up_logs(verbose)
     loaded = load(scenario, sets, swap, map, fmi, variant)
     with naming(loaded), waiting("building FMUs"):
-        plan = describe_schedule(compose(loaded, run_earlier).system)
+        plan = describe_schedule(compose(loaded, None).system)
     if json:
         print_json(_exact(asdict(plan)))
     else:
@@ -210,7 +211,7 @@ def print_plan(plan: "Plan") -> None:
     """Print the turns of the components and what happens to every signal."""
     from orchestrator.master.undriven import in_words
 
-    typer.echo(
+    echo(
         f"{plan.name}: {plan.stop} s in instants of {plan.tick} s, pattern repeats "
         f"every {plan.hyperperiod} s"
     )
@@ -223,7 +224,7 @@ def print_plan(plan: "Plan") -> None:
         [[str(cell) for cell in turn] for turn in turns],
         "Who steps when",
     )
-    typer.echo(f"order of the sampled components: {', '.join(plan.order) or 'none'}")
+    echo(f"order of the sampled components: {', '.join(plan.order) or 'none'}")
     print_table(
         ["source", "sink", "published", "read", ">youngest", ">oldest", "remark"],
         [
@@ -241,11 +242,11 @@ def print_plan(plan: "Plan") -> None:
         "Age of every signal when it is taken",
     )
     for note in plan.notes:
-        typer.echo(f"note: {note}")
+        echo(f"note: {note}")
     for warning in plan.warnings:
-        typer.echo(f"warning: {warning}")
+        echo(f"warning: {warning}")
     if held := in_words(plan.undriven):
-        typer.echo(held)
+        echo(held)
 
 
 def _us(seconds: Fraction) -> str:
@@ -280,9 +281,9 @@ def print_run(done: "Run") -> None:
         print_table(["figure", ">value", "unit", "check"], rows, title)
     if done.ended:
         stop = float(done.composition.system.stop)
-        typer.echo(f"{done.ended} (the scenario stops at {stop:g} s)")
+        echo(f"{done.ended} (the scenario stops at {stop:g} s)")
     if done.timing is not None:
-        typer.echo(
+        echo(
             f"{done.timing.simulated_s:g} s in {done.timing.wall_s:.3g} s, "
             f"{done.timing.real_time_factor:.3g} x real time, "
             f"{done.timing.us_per_instant:.3g} us per instant"
@@ -290,8 +291,8 @@ def print_run(done: "Run") -> None:
     if done.timing is not None and done.timing.profile is not None:
         print_profile(done.timing.profile)
     if held := in_words(done.composition.undriven):
-        typer.echo(held)
-    typer.echo(f"written to {done.folder}: report.html, metrics.json, result/")
+        echo(held)
+    echo(f"written to {done.folder}: report.html, metrics.json, result/")
 
 
 def print_profile(profile: "Profile") -> None:
@@ -313,4 +314,4 @@ def print_profile(profile: "Profile") -> None:
     head = ["where", ">s", ">%", ">steps", ">us per step"]
     print_table(head, rows, "Where the time went")
     if profile.peak_bytes:
-        typer.echo(f"largest resident memory {profile.peak_bytes / 1e6:.0f} MB")
+        echo(f"largest resident memory {profile.peak_bytes / 1e6:.0f} MB")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from orchestrator.cli.output import command, print_json, print_table
+from orchestrator.cli.output import command, echo, print_json, print_table
 
 if TYPE_CHECKING:
     from orchestrator.history.listing import Entry
@@ -59,11 +59,11 @@ def runs(
         print_json({"runs": [e.as_json() for e in left], **removed})
         return
     for entry in gone:
-        typer.echo(f"removed {entry.folder}")
+        echo(f"removed {entry.folder}")
     if left:
         print_runs(left)
     elif not gone:
-        typer.echo(f"no runs{f' of {scenario}' if scenario else ''} in {RUNS}/")
+        echo(f"no runs{f' of {scenario}' if scenario else ''} in {RUNS}/")
 
 
 def _within(name: str, scenario: str) -> bool:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from orchestrator.cli.output import (
-    command,
+    echo,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -26,7 +27,7 @@ Tools = Annotated[
 ]
 
 
-@command
+@executing
 def second_opinion(
     scenario: ScenarioName,
     sets: Sets = [],  # noqa: B006 - Typer copies it
@@ -57,7 +58,7 @@ def second_opinion(
                 with waiting(f"installing {name}"):
                     environment.install(environment.PEERS[name])
             except environment.PeerError as error:
-                typer.echo(str(error), err=True)
+                echo(str(error), err=True)
     with waiting(f"running {loaded.name} here and in {', '.join(chosen)}"):
         found = opinions.second_opinion(loaded, chosen)
     if json:
@@ -65,7 +66,7 @@ def second_opinion(
     else:
         print_opinion(found)
     for signal, tools in found.against.items():
-        typer.echo(f"{signal}: {', '.join(tools)} agree against this run", err=True)
+        echo(f"{signal}: {', '.join(tools)} agree against this run", err=True)
     if found.against:
         raise typer.Exit(1)
 
@@ -102,15 +103,15 @@ def print_opinion(found: "SecondOpinion") -> None:
     for peer in answered:
         offsets = {signal.label_offset for signal in peer.signals}
         labels = ", ".join(f"{offset:+d}" for offset in sorted(offsets))
-        typer.echo(
+        echo(
             f"{peer.peer} {peer.version}: {peer.rows} rows, time labels "
             f"{'as ours' if offsets == {0} else f'{labels} samples beside ours'}"
         )
     for peer in found.peers:
         if peer.refusal:
-            typer.echo(f"{peer.peer}: {peer.refusal}")
+            echo(f"{peer.peer}: {peer.refusal}")
     if found.added:
-        typer.echo(
+        echo(
             f"these tools exchange after each step, so that {', '.join(found.added)} "
             f"act one sample later than the scenario says; the differences are to our "
             f"run with latency = 1 on them, 'as written' is to the scenario itself"

@@ -7,6 +7,7 @@ import typer
 from orchestrator.cli.completion import study_names
 from orchestrator.cli.output import (
     command,
+    echo,
     print_json,
     print_table,
     set_up_logs,
@@ -46,12 +47,12 @@ def demo(json: Json = False, verbose: Verbose = False) -> None:
     print_comparison(runs, title)
     for done in runs:
         if done.timing is not None:
-            typer.echo(
+            echo(
                 f"{done.scenario.name}: {done.timing.wall_s:.3g} s, "
                 f"{done.timing.real_time_factor:.3g} x real time, "
                 f"{done.timing.us_per_instant:.3g} us per instant"
             )
-    typer.echo(f"report with all curves: {page}")
+    echo(f"report with all curves: {page}")
 
 
 def print_comparison(runs: "list[Run]", title: str) -> None:
@@ -117,12 +118,12 @@ def reproduce(
     set_up_logs(verbose)
     with waiting(f"reproducing {study}"):
         done = reproduce_study(
-            study, only, told=lambda name: typer.echo(f"ran {name}", err=True)
+            study, only, told=lambda name: echo(f"ran {name}", err=True)
         )
     if json:
         print_json(done.as_json(study))
     else:
         print_reproduction(study, done)
     if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:
-        typer.echo(f"acceptance missed: {', '.join(failed)}", err=True)
+        echo(f"acceptance missed: {', '.join(failed)}", err=True)
         raise typer.Exit(1)

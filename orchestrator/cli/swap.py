@@ -10,9 +10,7 @@ from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
-from orchestrator.cli.output import print_table, waiting
+from orchestrator.cli.output import echo, print_table, waiting
 from orchestrator.cli.running import load, simulate
 from orchestrator.evaluation.compare import change, number
 from orchestrator.quantities.quantity import NoValue
@@ -58,7 +56,7 @@ def load_original(
     kept = [text for text in sets if text in elsewhere or _shared(text, composition)]
     for text in sets:
         if text not in kept:
-            typer.echo(f"original: without --set {text}, which it lacks", err=True)
+            echo(f"original: without --set {text}, which it lacks", err=True)
     return load(name, kept, [], [], fmi)
 
 
@@ -227,10 +225,10 @@ def print_swap(first: "Run", second: "Run", answers: "Sequence[Measured]") -> No
     print_table(head, rows, "Original against swapped")
     if answers:
         told = ", ".join(f"{a.input} -> {a.output} {a.ratio:+.4g}" for a in answers)
-        typer.echo(f"answers to a short pulse, {SWAPPED} over {ORIGINAL}: {told}")
+        echo(f"answers to a short pulse, {SWAPPED} over {ORIGINAL}: {told}")
     if first.diverged:
-        typer.echo(f"{ORIGINAL}: {first.diverged}")
+        echo(f"{ORIGINAL}: {first.diverged}")
     for run, name in ((first, ORIGINAL), (second, SWAPPED)):
         for figure, value in run.metrics.items():
             if isinstance(value, NoValue):
-                typer.echo(f"{name}: {figure}: {value.why}")
+                echo(f"{name}: {figure}: {value.why}")

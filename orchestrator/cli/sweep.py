@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.output import (
-    command,
+    echo,
     error_console,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 SHOWN = 40  # members in the printed table
 
 
-@command
+@executing
 def sweep(
     scenario: ScenarioName,
     vary: Annotated[
@@ -158,7 +159,7 @@ def _sweep(
             found.keys,
             found.rows,
             found.units,
-            spec.expect,
+            spec.expected_of_run,
             _words(found),
             place.path / "report.html",
         )
@@ -169,7 +170,7 @@ def _sweep(
             "wall_s": found.wall_s,
             "executor": "+".join(found.executors),
             "figures": str(place.path / FIGURES),
-            "yield": found.met if spec.expect else None,
+            "yield": found.met if spec.expected_of_run else None,
             "broken": found.broken(),
             "result": str(place.path),
         }
@@ -180,10 +181,10 @@ def _sweep(
         print_json(told)
     else:
         _print(found)
-        typer.echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
+        echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
     if found.failed:
         total = len(found.rows)
-        typer.echo(f"{found.failed} of {total} members failed", err=True)
+        echo(f"{found.failed} of {total} members failed", err=True)
         raise typer.Exit(1)
 
 
@@ -236,15 +237,13 @@ def _print(found: "Sweep") -> None:
     ]
     print_table(head, rows, found.scenario)
     if len(found.rows) > SHOWN:
-        typer.echo(f"... and {len(found.rows) - SHOWN} more members")
+        echo(f"... and {len(found.rows) - SHOWN} more members")
     for line in _words(found):
-        typer.echo(line)
+        echo(line)
     worst = next((r for r in found.rows if r["broken"] or r["failure"]), None)
     if worst is not None:
         sets = " ".join(f'--set "{k}={worst[k]}"' for k in found.keys)
-        typer.echo(
-            f"member {worst['member']} in full: feeddrive run {found.scenario} {sets}"
-        )
+        echo(f"member {worst['member']} in full: feeddrive run {found.scenario} {sets}")
 
 
 def _cell(value: Any) -> str:

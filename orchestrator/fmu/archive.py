@@ -5,7 +5,9 @@ folder, links, too many files, too much data.  The folder is deleted by whoever
 asked for it (``unpacked`` does so at the end of its block).
 """
 
+import lzma
 import stat
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -16,9 +18,13 @@ from orchestrator.errors import FmuError
 from orchestrator.folders.temporary import temporary_folder
 
 # what zipfile raises on damaged data
-DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)
+DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
+    *(OSError, EOFError, RuntimeError, ValueError, LookupError),
+)
 MAX_FILES = 20_000
 MAX_BYTES = 2 << 30
+MAX_TEXT = 32 << 20  # bytes of a member that is read as a whole, such as a description
 
 
 def checked_members(path: Path) -> list[zipfile.ZipInfo]:
@@ -32,7 +38,7 @@ def checked_members(path: Path) -> list[zipfile.ZipInfo]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
-    except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
+    except DAMAGE as error:
         raise FmuError(
             f"{path}: not a readable zip archive ({error}); it may be truncated: "
             f"export or copy it again"
@@ -72,9 +78,14 @@ def read_member(path: Path, name: str) -> bytes:
     """Return one member of an FMU archive.
 
     Raises:
-        FmuError: the archive is damaged or has no such member.
+        FmuError: the archive is damaged, or has no such member, or it is too large.
     """
-    checked_members(path)
+    sizes = {member.filename: member.file_size for member in checked_members(path)}
+    if sizes.get(name, 0) > MAX_TEXT:
+        raise FmuError(
+            f"{path}: {name} has {sizes[name] / 1e6:.0f} MB unpacked; at most "
+            f"{MAX_TEXT / 1e6:.0f} MB are accepted: ask its supplier for a smaller one"
+        )
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.read(name)

@@ -9,7 +9,7 @@ a path.  Everything else that breaks the standard is for ``check`` to find.
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from orchestrator.errors import FmuError
 from orchestrator.fmu.archive import checked_members
 
 REFERENCES = 2**32  # of UInt32
+MOST_NUMBERS = 10_000_000  # of all variables of an FMU
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,20 @@ def refuse_two_descriptions(path: Path) -> None:
         raise FmuError(
             f"{path}: holds several files modelDescription.xml; ask its supplier for a "
             f"valid export"
+        )
+
+
+def refuse_vast(path: Path, md: Any) -> None:
+    """Refuse arrays for which there would be no room.
+
+    Raises:
+        FmuError: all variables together are more numbers than are accepted.
+    """
+    total = sum(prod(v.shape or ()) for v in md.modelVariables)
+    if total > MOST_NUMBERS:
+        raise FmuError(
+            f"{path}: its variables are {total} numbers; at most {MOST_NUMBERS} are "
+            f"accepted"
         )
 
 

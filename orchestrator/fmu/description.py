@@ -6,6 +6,7 @@ Units come from the FMU's own definitions.
 """
 
 import io
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,9 +22,11 @@ from orchestrator.fmu.declared import (
     declared,
     refuse_ambiguous,
     refuse_two_descriptions,
+    refuse_vast,
     units,
 )
 from orchestrator.fmu.own import kind_and_period
+from orchestrator.quantities.quantity import exact
 from orchestrator.quantities.unit import Unit, unit_of_fmu
 from orchestrator.system import Kind
 
@@ -184,7 +187,7 @@ def read_fmu(path: str | Path) -> FmuDescription:
     file = Path(path)
     try:
         stamp = file.stat()
-    except OSError:
+    except (OSError, ValueError):
         raise FmuError(f"{file}: no such file; give the path of an .fmu file") from None
     return _read(file, stamp.st_mtime_ns, stamp.st_size)
 
@@ -201,13 +204,17 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
         refuse_other_fmi(path, root)
         refuse_ambiguous(path, root)
         md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
-    except FmuError:
-        raise
+        return _described(path, root, md)
     except Exception as error:  # fmpy raises bare Exception for malformed documents
+        if isinstance(error, FmuError):
+            raise
         raise FmuError(
             f"{path}: modelDescription.xml cannot be understood ({error}); "
             f"run `fmpy validate` on it and ask its supplier"
         ) from None
+
+
+def _described(path: Path, root: Any, md: Any) -> FmuDescription:
     major = int(str(md.fmiVersion)[0])
     for v in md.modelVariables:
         if v.type not in _TYPES[major]:
@@ -215,6 +222,7 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
                 f"{path}: variable {v.name!r} is of type {v.type}, which is none of "
                 f"FMI {major}; ask its supplier for a valid modelDescription.xml"
             )
+    refuse_vast(path, md)
     kind, period = kind_and_period(path, root)
     cs = md.coSimulation
     interface = cs or md.modelExchange
@@ -259,16 +267,12 @@ def _internal_step(root: Any) -> Fraction | None:
     for element in root.iter("CoSimulation"):
         written = element.get("fixedInternalStepSize")
         if written and float(written) > 0:
-            return Fraction(written)
+            return exact(written)
     return None
 
 
 def refuse_other_fmi(path: Path, root: Any) -> None:
-    """Refuse a model description by its root element if it is not FMI 2.0 or 3.0.
-
-    Raises:
-        FmuError: it is another version.
-    """
+    """Refuse, by FmuError, a model description whose root is not FMI 2.0 or 3.0."""
     version = str(root.get("fmiVersion"))
     if not version.startswith(("2.", "3.")):
         raise FmuError(
@@ -284,8 +288,6 @@ def _clock(variables: list[Any]) -> int | None:
 
 def _only_xml(text: bytes) -> bytes:
     """Return an archive holding the description alone, as fmpy wants one."""
-    import zipfile
-
     memory = io.BytesIO()
     with zipfile.ZipFile(memory, "w") as archive:
         archive.writestr("modelDescription.xml", text)

@@ -7,6 +7,7 @@ from typing import Any, cast, get_args
 from fmus.archive import EXTRA
 from orchestrator.errors import FmuError
 from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.quantities.quantity import exact
 from orchestrator.system import Kind
 
 
@@ -35,4 +36,4 @@ def _told(model: Any) -> tuple[Kind, Fraction | None]:
     kind, period = model.get("kind"), model.get("period")
     if kind not in get_args(Kind):
         raise ValueError(f"kind = {kind!r}")
-    return cast(Kind, kind), Fraction(period) if period else None
+    return cast(Kind, kind), exact(period) if period else None

@@ -4,6 +4,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from orchestrator.errors import WiringError
+from orchestrator.fmu.declared import MOST_NUMBERS
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.system import Component
 
@@ -33,6 +34,12 @@ def sized(fmu: FmuDescription, component: Component) -> FmuDescription:
     if not sizes:
         return fmu
     resized = {name: _resized(v, sizes) for name, v in fmu.variables.items()}
+    total = sum(v.size for v in resized.values())
+    if total > MOST_NUMBERS:
+        raise WiringError(
+            f"components.{component.name}: its arrays would be {total} numbers; at "
+            f"most {MOST_NUMBERS} are accepted"
+        )
     return replace(fmu, variables=resized)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.ports import Affine, Port
+from orchestrator.quantities.quantity import exact
 from orchestrator.system import Scalar
 
 Held: TypeAlias = float | str | bytes  # what an FMU is given and gives back
@@ -112,7 +113,7 @@ def _applied(affine: Affine, given: float) -> float:
 def _limit(bound: str | None, sort: str) -> Fraction | None:
     """Return a bound as the FMU has it: of a real number the nearest double."""
     try:
-        limit = Fraction(bound.strip()) if bound else None
+        limit = exact(bound.strip()) if bound else None
         return Fraction(float(limit)) if limit is not None and sort == "real" else limit
     except (ValueError, OverflowError):  # an infinity bounds nothing
         return None

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from time import time
+from time import sleep, time
 
 from orchestrator.folders.held import LOCK, held, is_held
 
@@ -37,6 +37,15 @@ def sweep() -> None:
         with suppress(OSError):
             if _is_dead(folder):
                 shutil.rmtree(folder, ignore_errors=True)
+
+
+def sweep_when_free(folder: Path) -> None:
+    """Delete the folder of a run that has just died, whose lock is about to fall."""
+    for _ in range(1000):
+        sweep()
+        if not folder.exists():
+            break
+        sleep(0.01)
 
 
 @cache

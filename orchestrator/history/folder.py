@@ -35,7 +35,7 @@ FORMAT_FILE = "format"
 BEGUN = "begun.json"
 ENDED = "ended.json"
 METRICS = "metrics.json"
-Kind: TypeAlias = Literal["run", "demo", "reproduce", "sweep"]
+Kind: TypeAlias = Literal["run", "demo", "reproduce", "sweep", "response", "tune"]
 _FILES = (FORMAT_FILE, BEGUN, ENDED, METRICS, "report.html", "scenario.lock.toml")
 _FOLDERS = ("result", "fmus", "original")
 

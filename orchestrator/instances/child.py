@@ -18,8 +18,12 @@ from typing import Any
 
 from orchestrator.instances.descendants import end_marked, new_mark
 from orchestrator.instances.frames import LARGEST, Damaged, decode
+from orchestrator.instances.guard import guards
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.spawn import spawn
+
+UNASKED = 1000  # answers that may wait to be taken
+GUARD_WITHIN = 3.0  # s for a guard to kill what is left
 
 
 class Child:
@@ -71,6 +75,12 @@ class Child:
             self._answers.put((kind, value))
         return kind, value
 
+    def unasked(self) -> bool:
+        """Tell whether an answer is there, before anything is asked."""
+        with suppress(queue.Empty):
+            return self.answer(0.0)[0] != "ended"
+        return False
+
     def join(self, within: float) -> int | None:
         """Wait for its end; return its exit code, None if it has none yet."""
         self._process.join(within)
@@ -82,6 +92,8 @@ class Child:
         if sys.platform == "win32":
             self._process.kill()
             return
+        self._process.terminate()  # its guard leaves nothing, if it has one
+        self._process.join(GUARD_WITHIN if guards() else 0.0)
         with suppress(OSError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.kill()
@@ -109,6 +121,8 @@ class Child:
                 kind, value = decode(self.pipe.recv_bytes(LARGEST))
                 if kind == "log":
                     self._log(value)
+                elif self._answers.qsize() > UNASKED:
+                    raise Damaged("answers that nobody asked for")
                 else:
                     self._answers.put((kind, value))
         except (EOFError, ConnectionError):

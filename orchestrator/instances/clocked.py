@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuVariable
+from orchestrator.instances.doing import mark
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import DISCARD, OK, good, told
 from orchestrator.instances.instance import LocalInstance
@@ -54,6 +55,7 @@ class ClockedInstance(LocalInstance):
         return prototype((name, self.library))
 
     def step(self, t: float, h: float) -> None:
+        mark(self.name, "doStep")
         self.clock.value = t
         if status := self._tick():
             raise self.failed_tick(status)

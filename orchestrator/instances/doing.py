@@ -11,15 +11,17 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 NOBODY = -1
+THE_RUN = "the run"
 
 
 class Doing(ctypes.Structure):
-    """The kernel notes part and operation, all others a text."""
+    """The kernel notes part and operation, all others a text; both count."""
 
     _fields_: ClassVar[Any] = [
         ("part", ctypes.c_int32),
         ("code", ctypes.c_int32),
-        ("text", ctypes.c_char * 248),
+        ("count", ctypes.c_uint32),
+        ("text", ctypes.c_char * 244),
     ]
 
 
@@ -32,18 +34,23 @@ def keep(file: Path) -> None:
     with file.open("r+b") as opened:
         memory = mmap.mmap(opened.fileno(), ctypes.sizeof(Doing))
     _KEPT[:] = [(Doing.from_buffer(memory), memory)]
-    mark("the run", "its beginning")
+    rest()
+
+
+def rest() -> None:
+    """Note that no FMU is being called."""
+    mark(THE_RUN, "its own work")
 
 
 def mark(name: str, call: str) -> None:
     """Note that an FMU is being called."""
     for doing, _ in _KEPT:
-        doing.part = NOBODY
-        doing.text = f"{name}\0{call}".encode()[:247].replace(b"\0", b"\n", 1)
+        doing.part, doing.count = NOBODY, doing.count + 1
+        doing.text = f"{name}\0{call}".encode()[:243].replace(b"\0", b"\n", 1)
 
 
 def place() -> int | None:
-    """Return where the kernel notes part and operation, None if nobody asks."""
+    """Return where the kernel notes part, operation, count; None if nobody asks."""
     return ctypes.addressof(_KEPT[0][0]) if _KEPT else None
 
 

@@ -6,9 +6,11 @@ type, or the process is damaged.
 """
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from orchestrator.errors import FeedDriveError, FmuError, SimulationError
+from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.typed import Held
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.logs import LogMessage
@@ -62,6 +64,18 @@ def decode(data: bytes) -> tuple[str, Any]:
         return kind, _VALUES[kind](told)
     except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise Damaged(str(error)) from None
+
+
+def fit(values: Any, variables: Sequence[FmuVariable]) -> bool:
+    """Tell whether values are those of variables, by number and type."""
+    kinds = [(str, bytes) if v.is_text else (int, float) for v in variables]
+    sizes = [v.size for v in variables]
+    wanted = [kind for kind, n in zip(kinds, sizes, strict=True) for _ in range(n)]
+    return (
+        isinstance(values, list)
+        and len(values) == len(wanted)
+        and all(map(isinstance, values, wanted))
+    )
 
 
 def _done(told: Any) -> Any:

@@ -15,7 +15,7 @@ from orchestrator.errors import FeedDriveError, FmuError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.structure import is_structural
 from orchestrator.fmu.typed import Held
-from orchestrator.instances.doing import mark
+from orchestrator.instances.doing import mark, rest
 from orchestrator.instances.ending import WHOLE, Ended, discarded
 from orchestrator.instances.group import (
     DISCARD,
@@ -64,10 +64,12 @@ class LocalInstance:
         self._quiet = False
         self.outcome = c.Outcome()
         _require_binary(description, folder)
+        mark(name, "load")
         try:
             with _LOADING, chdir(Path.cwd()):  # fmpy goes to the folder of the FMU
                 self._fmu = strict(self._load(folder))
             self.library: Any = self._fmu.dll
+            rest()
         except FeedDriveError:
             raise
         except Exception as error:  # fmpy raises bare Exception when loading fails
@@ -195,9 +197,10 @@ class LocalInstance:
             return
         self._quiet = True
         categories = self.description.log_categories
-        log_errors_only(
-            self.library, self.slave, self.description.fmi_major, categories
-        )
+        with self._named("set debug logging"):
+            log_errors_only(
+                self.library, self.slave, self.description.fmi_major, categories
+            )
 
     def bind(
         self,
@@ -307,6 +310,7 @@ class LocalInstance:
             if self._worst != FATAL:  # then no call is allowed any more
                 self._fmu.freeInstance()
         self.slave = None
+        rest()
 
 
 class _Named:
@@ -319,6 +323,7 @@ class _Named:
         mark(self.instance.name, self.function)
 
     def __exit__(self, kind: Any, error: BaseException | None, _trace: Any) -> None:
+        rest()
         if error is None or isinstance(error, FeedDriveError):
             return
         self.instance.refused(getattr(error, "status", 0))

@@ -20,7 +20,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from orchestrator.fmu.typed import Held
 from orchestrator.instances.bundle import Bundle
 from orchestrator.instances.child import Child, how_ended
 from orchestrator.instances.ending import Ended
+from orchestrator.instances.frames import fit
 from orchestrator.instances.group import Group
 from orchestrator.instances.isolated_child import serve
 from orchestrator.instances.logs import LogMessage
@@ -104,8 +105,10 @@ class IsolatedInstance:
 
     def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
         self._deliver()
-        answer: list[Held] = self._ask("read", list(variables))
-        return answer
+        answer = self._ask("read", list(variables))
+        if not fit(answer, variables):
+            raise self._damaged("read")
+        return cast("list[Held]", answer)
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
         self._ask("set_up", start, stop, tolerance)
@@ -179,10 +182,10 @@ class IsolatedInstance:
     def quiet(self) -> None:
         self._ask("quiet")
 
-    def ended(self) -> Ended:
+    def ended(self) -> SimulationError:
         """Return how the FMU ended the run by its latest step."""
-        end: Ended = self._ask("ended")
-        return end
+        end = self._ask("ended")
+        return end if isinstance(end, Ended) else self._damaged("ended")
 
     def failed_step(self, h: float, status: int) -> SimulationError:
         """Return the error for a request through the channel that went wrong."""
@@ -198,7 +201,8 @@ class IsolatedInstance:
     def close(self) -> None:
         """Ask the child to free the instance and end; kill it if it does not."""
         within = self._link.within = min(self._link.within, ENDING_WITHIN)
-        if self._child.damaged and not self._failed:
+        damaged = self._child.damaged or (not self._waiting and self._child.unasked())
+        if damaged and not self._failed:
             self._warn("is damaged and killed: it sent what is no answer")
         elif self._child.alive and not self._occupied():
             with suppress(SimulationError):
@@ -256,6 +260,8 @@ class IsolatedInstance:
     def _request(self, request: str, *arguments: Any) -> None:
         self._requests.append(request.replace("_", " "))
         self._leave()
+        if self._child.unasked():
+            raise self._damaged(request)
         self._link.stale = 1
         self._child.send(request, *arguments)
 
@@ -273,6 +279,8 @@ class IsolatedInstance:
             raise value
         if kind == "ended":
             raise self._died(self._doing())
+        if kind != ("begun" if request == "start" else "done"):
+            raise self._damaged(request)
         return value
 
     def _hear(self, message: LogMessage) -> None:
@@ -291,6 +299,11 @@ class IsolatedInstance:
             f"{within:g} s (answer_within) in {self._doing()}; its process is killed. "
             f"{self._history()}"
         )
+
+    def _damaged(self, request: str) -> SimulationError:
+        """Return the error for an answer that is none to this request."""
+        self._child.damaged = True
+        return self._died(request)
 
     def _died(self, request: str) -> SimulationError:
         self._failed = True

@@ -9,26 +9,26 @@ master's, and ends when the master is gone, with all that the FMU has started.
 import ctypes
 import multiprocessing as mp
 import os
-import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Lock, Thread
-from time import sleep
 from typing import Any, NoReturn
 
 from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-from orchestrator.folders.temporary import sweep
+from orchestrator.folders.temporary import sweep_when_free
 from orchestrator.instances.descendants import MARK, end_marked
 from orchestrator.instances.frames import encode
 from orchestrator.instances.group import group_table
+from orchestrator.instances.guard import guards, stand_guard
 from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.shared import Shared
+from orchestrator.instances.spawn import stand_alone
 from orchestrator.native import library as c
 
 
@@ -185,13 +185,11 @@ def _import_tools() -> None:
 
 def _stand_alone(folder: Path) -> None:
     """Make this process independent of the terminal and of the master's end."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(os, "setpgid"):  # with tools it starts, so that all end together
-        os.setpgid(0, 0)
-    with suppress(OSError):  # stdout is the master's, say for --json
-        sys.stdout.flush()
-        os.dup2(2, 1)
-    Thread(target=_end_with_master, args=(folder,), daemon=True).start()
+    stand_alone()
+    if guards():
+        stand_guard(lambda: sweep_when_free(folder))
+    else:
+        Thread(target=_end_with_master, args=(folder,), daemon=True).start()
 
 
 def _end_with_master(folder: Path) -> NoReturn:
@@ -201,11 +199,7 @@ def _end_with_master(folder: Path) -> NoReturn:
     wait([master.sentinel])
     if mark := os.environ.get(MARK):
         end_marked(mark)
-    for _ in range(1000):  # its lock on the folder may fall a little later
-        sweep()
-        if not folder.exists():
-            break
-        sleep(0.01)
+    sweep_when_free(folder)
     _end(1)
 
 

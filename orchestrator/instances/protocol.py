@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.typed import Held
-from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import Group
 from orchestrator.native import library as c
 
@@ -30,9 +29,9 @@ class Instance(Protocol):
     """What the master needs of an FMU instance, wherever it runs.
 
     ``outcome.last`` is set by a whole step after which the FMU has ended the run;
-    ``ended`` says why.  After ``bind``, the kernel calls ``do_step`` on ``slave`` in
-    the way of FMI ``step_major``, and the functions of the groups in that of their own
-    ``major``.
+    ``ended`` says why, as an ``Ended`` unless its process is damaged.  After ``bind``,
+    the kernel calls ``do_step`` on ``slave`` in the way of FMI ``step_major``, and the
+    functions of the groups in that of their own ``major``.
     """
 
     name: str
@@ -46,7 +45,7 @@ class Instance(Protocol):
 
     @property
     def step_major(self) -> int: ...
-    def ended(self) -> Ended: ...
+    def ended(self) -> SimulationError: ...
     def failed_step(self, h: float, status: int) -> SimulationError: ...
     def instantiate(self) -> None: ...
     def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None: ...

@@ -1,10 +1,12 @@
 """Starting a child process that has nothing of the caller's but its arguments."""
 
 import multiprocessing as mp
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from threading import Lock
 from types import ModuleType
 from typing import Any
@@ -25,6 +27,20 @@ def spawn(mark: str, target: Callable[..., None], *arguments: Any) -> Any:
         child = context.Process(target=target, args=arguments, daemon=True)
         child.start()
     return child
+
+
+def stand_alone() -> None:
+    """Make this process, which was spawned, independent of the caller's."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the caller's
+    if hasattr(os, "setpgid"):  # with tools it starts, so that all end together
+        os.setpgid(0, 0)
+    with suppress(OSError):  # stdout is the caller's, say for --json
+        sys.stdout.flush()
+        os.dup2(2, 1)
+    tracker: Any = getattr(resource_tracker, "_resource_tracker", None)
+    if getattr(tracker, "_fd", None) is not None:  # which serves the caller's tree
+        os.close(tracker._fd)
+        tracker._fd = None
 
 
 @contextmanager

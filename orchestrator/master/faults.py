@@ -12,8 +12,9 @@ value at its next step.  Initialisation sees no fault.
     override      a value instead
     delay         what was published n publications of the source earlier
 
-Several faults of one input act one after the other.  Nothing is random.  Both
-executors call the same object, so that their runs stay bit-equal.
+Several faults of one input act one after the other.  Nothing is random.  This is
+the reference; ``orchestrator/native/faults.h`` has the same laws for the other
+executors, with the same bits.
 """
 
 from collections import deque

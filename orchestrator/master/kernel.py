@@ -20,7 +20,7 @@ from orchestrator.instances.doing import place
 from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
-from orchestrator.master.faults import Faults
+from orchestrator.master.faulty import faulty_places
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, carry, views
 from orchestrator.master.recorder import CHUNK, Table
@@ -79,10 +79,12 @@ class Kernel:
         self._injections = self._array(
             c.Injection, [self._injection(i) for i in timetable.wiring.injected]
         )
-        faults = Faults(timetable.wiring, timetable.schedule, vector)
-        sources = [*parts, ""]
+        faulty = list(
+            faulty_places(
+                timetable.wiring, tick, self._at(0), self._numbers, self._array
+            )
+        )
         self._kernel = c.Kernel(
-            fault=c.FaultFunction(lambda i, k: faults.apply(sources[i], k)),
             parts=addressof(self._parts),
             tables=addressof(self._rows),
             tick_num=tick.numerator,
@@ -90,7 +92,10 @@ class Kernel:
             profiled=profiled,
             noted=place(),
             injections=addressof(self._injections),
+            faulty=addressof(self._array(c.faulty_structure(1), faulty)),
+            n_faulty=len(faulty),
         )
+        self._library.kernel_begin(self._kernel)
 
     def run(self) -> Iterator[int]:
         """Carry out all instants; yield the one reached after every chunk.
@@ -177,6 +182,11 @@ class Kernel:
         self._free += -(-sizeof(whole) // 16) * 16
         array[: len(elements)] = list(elements)
         return array
+
+    def _numbers(self, n: int) -> int:
+        """Return where n numbers stand that live as long as this object."""
+        self._kept.append(np.zeros(n))
+        return int(self._kept[-1].ctypes.data)
 
     def _part(self, part: Part, instance: Instance) -> c.Part:
         inputs = [group_table(g) for g in instance.inputs]
@@ -291,8 +301,9 @@ class Kernel:
 
     def _op(self, op: Op) -> c.Op:
         targets = self._target_row if op.code == "row" else self._target
-        if op.code == "fault" and not op.target:
-            return c.Op(_CODES["fault"], len(targets))
+        if op.code == "fault":
+            source = targets.get(op.target, len(targets))
+            return c.Op(_CODES["fault"], source, bool(op.target))
         if op.code == "inject":
             return c.Op(_CODES["inject"], int(op.target))
         return c.Op(_CODES[op.code], targets[op.target], op.back, op.h)

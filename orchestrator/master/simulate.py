@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 
 from fmus.compile import CompileError
 from fmus.trust import is_trusted
-from orchestrator.errors import SimulationError
+from orchestrator.errors import ScheduleError, SimulationError, shown
 from orchestrator.fmu.archive import unpacked
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.structure import sized
+from orchestrator.instances.doing import rest
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
@@ -47,6 +48,7 @@ from orchestrator.warned import warn
 LOG = logging.getLogger("feeddrive")
 _UNSAID = Isolation()
 NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
+LONGEST_LINE = 10_000_000  # numbers that one latency or delay holds back
 BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
@@ -71,13 +73,14 @@ def simulate(
     progress: Progress | None = None,
     executor: Choice | None = None,
     profile: bool = False,
+    recorded: Callable[[Result], None] | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``timetable`` is what ``plan`` returned for it, if that was asked before.
     ``progress`` is told the time reached (s), about four times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
-    says where the time went.
+    says where the time went.  ``recorded`` is told the result before FMUs are freed.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
@@ -121,7 +124,10 @@ def simulate(
             complete = True
         finally:
             recorder.close(complete=complete)
-    return Result(folder, timing, ended)
+        result = Result(folder, timing, ended)
+        if recorded:
+            recorded(result)
+    return result
 
 
 @contextmanager
@@ -188,9 +194,30 @@ def plan(system: System) -> Timetable:
     wiring: Wiring = wire(
         system, {n: sized(read_fmu(c.fmu), c) for n, c in system.components.items()}
     )
+    _refuse_long_lines(wiring)
     timetable = Timetable(wiring)
     _ = timetable.schedule, timetable.order
     return timetable
+
+
+def _refuse_long_lines(wiring: Wiring) -> None:
+    """Refuse what is held back for longer than there is memory for.
+
+    Raises:
+        ScheduleError: a latency or a delay has too many samples.
+    """
+    lines = {
+        f"components.{name}.latency": (part.component.latency, part.delayed)
+        for name, part in wiring.parts.items()
+    }
+    for name, faults in wiring.system.faults.items():
+        lines[f"faults.{name}"] = (max(fault.samples for fault in faults), 1)
+    for where, (samples, width) in lines.items():
+        if samples * width > LONGEST_LINE:
+            raise ScheduleError(
+                f"{where}: {samples} samples of {width} numbers would have to be "
+                f"kept; at most {LONGEST_LINE} numbers are"
+            )
 
 
 def open_instance(
@@ -229,7 +256,7 @@ def open_instance(
 
 def _log(name: str, message: LogMessage) -> None:
     level = logging.INFO if message.status == "OK" else logging.WARNING
-    LOG.log(level, "%s at t = %.9g s: %s", name, message.time, message)
+    LOG.log(level, "%s at t = %.9g s: %s", name, message.time, shown(str(message)))
 
 
 def _execute(
@@ -244,6 +271,7 @@ def _execute(
     reached, ended = float(stop), None
     try:
         for k in engine.run():
+            rest()
             if (now := perf_counter()) - told > BETWEEN:
                 told = now
                 recorder.flush()

@@ -14,7 +14,7 @@
        HOLD     put raw into the latency line, publish what is not delayed
        ROW      append time and columns to a table
        INJECT   add the next value of a signal to an input
-       FAULT    let Python renew faulty inputs (orchestrator/master/faults.py)
+       FAULT    renew the inputs with faults that the target feeds, or all of them
 
    kernel_run returns how many instants it finished.  It stops early when a table
    is full (after that instant) or when an operation fails; then kernel->failure
@@ -101,6 +101,13 @@ static int release(Kernel *kernel, const Part *p, const Op *op, int64_t k) {
     return copy(kernel, p, op, k);
 }
 
+static void renew(Kernel *kernel, const Op *op, int64_t k) {
+    Faulty *f = kernel->faulty;
+    for (; f < kernel->faulty + kernel->n_faulty; f++)
+        if (!op->back || f->source == op->target)
+            faulty_renew(f, k, op->back != 0);
+}
+
 static void inject(const Injection *i, int64_t k) {
     *i->sink = *i->before + i->values[(k - i->first) / i->every % i->n];
 }
@@ -139,6 +146,7 @@ static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now)
     if (kernel->noted) {
         kernel->noted[0] = op->target;
         kernel->noted[1] = op->code;
+        kernel->noted[2] = (int32_t)((uint32_t)kernel->noted[2] + 1);
     }
     switch (op->code) {
     case STEP: return step(kernel, p, op, k, start_of(kernel, now, op));
@@ -147,9 +155,15 @@ static ALWAYS_INLINE int carry_out(Kernel *kernel, const Op *op, const Now *now)
     case RELEASE: return release(kernel, p, op, k);
     case WRITE: return set_inputs(kernel, p, op, k);
     case HOLD: hold(p); return 1;
-    case FAULT: kernel->fault(op->target, k); return 1;
+    case FAULT: renew(kernel, op, k); return 1;
     default: record(kernel, kernel->tables + op->target, now->t); return 1;
     }
+}
+
+/* What follows the initialisation of all parts. */
+EXPORT void kernel_begin(Kernel *kernel) {
+    for (size_t i = 0; i < kernel->n_faulty; i++)
+        faulty_begin(kernel->faulty + i);
 }
 
 /* Carry out one operation on the only part, for channel.c; returns 0 if it fails. */

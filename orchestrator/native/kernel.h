@@ -2,6 +2,8 @@
 #ifndef KERNEL_H
 #define KERNEL_H
 
+#include "faults.h"
+
 #include <stddef.h>
 #include <stdint.h>
 
@@ -76,7 +78,7 @@ typedef struct {
 
 typedef struct {
     int32_t code, target; /* a part, a table or an injection */
-    int64_t back;
+    int64_t back; /* of a fault: whether its target published */
     double h;
 } Op;
 
@@ -98,7 +100,6 @@ typedef struct {
     const Table *tables;
     const Program *programs;
     int64_t tick_num, tick_den; /* s */
-    void (*fault)(int32_t target, int64_t instant); /* a part, or behind the last */
     int32_t profiled;
     /* what happened */
     int32_t full, ending, failure, status; /* ending: 1 + the part that ends the run */
@@ -107,8 +108,10 @@ typedef struct {
     double h;
     int64_t readings; /* as in Part, for everything that is not in an FMU */
     double spent;
-    int32_t *noted; /* NULL, or where part and operation are noted beforehand */
+    int32_t *noted; /* NULL, or where part, operation, count are noted */
     const Injection *injections;
+    Faulty *faulty;
+    size_t n_faulty;
 } Kernel;
 
 typedef struct {

@@ -19,6 +19,7 @@ FAILURES = (
     *("", "step", "get", "set", "not finite", "does not fit", "tick", "copy"),
     "ended",
 )
+LAWS = ("stuck", "bias", "gain", "quantisation", "override", "delay")
 DOING = ("set", "doStep", "get")  # of a channel
 ASK = ("step", "exchange", "leave")
 TYPES: tuple[Any, ...] = (
@@ -175,7 +176,46 @@ class Injection(ctypes.Structure):
     ]
 
 
-FaultFunction = ctypes.CFUNCTYPE(None, c_int32, c_int64)
+class Fault(ctypes.Structure):
+    """What goes wrong with a number, and what it remembers of it."""
+
+    _fields_: ClassVar[Any] = [
+        ("kind", c_int32),
+        ("samples", c_int32),
+        ("start", c_int64),
+        ("end", c_int64),
+        ("value", c_double),
+        ("memory", c_void_p),
+    ]
+
+
+@cache
+def faulty_structure(lanes: int) -> Any:
+    """Return the structure of a number that has faults, for W lanes."""
+
+    class Faulty(ctypes.Structure):
+        _fields_: ClassVar[Any] = [
+            ("clean", c_double if lanes == 1 else c_double * lanes),
+            ("place", c_void_p),
+            ("faults", c_void_p),
+            ("n", c_int32),
+            ("source", c_int32),
+            ("converts", c_int32),
+            ("_", c_int32),
+            ("gain", c_double),
+            ("offset", c_double),
+            ("back_gain", c_double),
+            ("back_offset", c_double),
+            *padding(8 * lanes + 64, lanes),
+        ]
+
+    return Faulty
+
+
+def padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]]:
+    """Return the field that fills up to a multiple of a vector's size, if any is."""
+    missing = -size % (8 * lanes)
+    return [(name, ctypes.c_char * missing)] if missing else []
 
 
 class Kernel(ctypes.Structure):
@@ -187,7 +227,6 @@ class Kernel(ctypes.Structure):
         ("programs", c_void_p),
         ("tick_num", c_int64),
         ("tick_den", c_int64),
-        ("fault", FaultFunction),
         ("profiled", c_int32),
         ("full", c_int32),
         ("ending", c_int32),
@@ -201,6 +240,8 @@ class Kernel(ctypes.Structure):
         ("spent", c_double),
         ("noted", c_void_p),
         ("injections", c_void_p),
+        ("faulty", c_void_p),
+        ("n_faulty", c_size_t),
     ]
 
 
@@ -277,6 +318,7 @@ def library() -> Any:
         c_int64,
         c_int64,
     ]
+    loaded.kernel_begin.argtypes = [ctypes.POINTER(Kernel)]
     loaded.kernel_reading.restype = c_double
     loaded.kernel_reading.argtypes = []
     loaded.channel_serve.argtypes = [c_void_p, ctypes.POINTER(Kernel)]

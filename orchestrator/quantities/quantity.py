@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
+from math import isfinite
 from typing import Any
 
 from orchestrator.quantities.unit import Unit, conversion, unit_of
@@ -26,6 +27,7 @@ _SECONDS = {
 _HERTZ = {"Hz": Fraction(1), "kHz": Fraction(10**3), "MHz": Fraction(10**6)}
 _BYTES = {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+_POWER = re.compile(r"[eE]([+-]?[0-9_]+)")
 _TIME = re.compile(rf"\s*({_NUMBER})(?:\s*/\s*({_NUMBER}))?\s*([^\W\d]+)?\s*")
 
 
@@ -38,6 +40,19 @@ class DecimalFloat(float):
         number = super().__new__(cls, text)
         number.text = text
         return number
+
+
+def exact(text: str) -> Fraction:
+    """Return a number exactly as it is written, say by an FMU.
+
+    Raises:
+        ValueError: it is none, or has more digits than a double could mean.
+    """
+    if len(text) > 1000 or not isfinite(float(text) if "/" not in text else 0.0):
+        raise ValueError(f"{text[:40]!r} is no finite number")
+    if (power := _POWER.search(text)) and abs(int(power[1])) > 400:
+        raise ValueError(f"{text[:40]!r} has an exponent beyond 400")
+    return Fraction(text)
 
 
 def parse_time(value: Any) -> Fraction:

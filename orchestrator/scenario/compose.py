@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cache
 from typing import TypeAlias
 
-from fmus.trust import digest
+from fmus.cache import digest
 from orchestrator.errors import (
     DesignError,
     ScenarioError,
@@ -24,14 +24,11 @@ from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantities.quantity import Quantity
 from orchestrator.quantities.unit import Unit
 from orchestrator.result import Result
+from orchestrator.scenario.component import MapSpec
 from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.reading import Scenario
-from orchestrator.scenario.schema import (
-    DesignSpec,
-    FaultSpec,
-    MapSpec,
-)
+from orchestrator.scenario.schema import DesignSpec, FaultSpec
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.swapped import (
     refuse_lost_inputs,
@@ -98,10 +95,11 @@ class Composition:
         self._values[0].refuse_text(name)
 
 
-def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
+def compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     """Return the system a scenario describes.
 
-    ``earlier`` runs the scenario a design step takes its signals from.
+    ``earlier`` runs the scenario a design step takes its signals from; without it no
+    design step is carried out.
 
     Raises:
         ScenarioError, DesignError, FmuError, WiringError, fmus.build.BuildError.
@@ -113,7 +111,7 @@ def compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     return replace(found, scenario=read, warnings=tuple(warnings))
 
 
-def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
+def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     spec = scenario.spec
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
     fmus = {
@@ -125,7 +123,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier) -> Composition:
     digests = {name: digest(found.path) for name, found in located.items()}
     _refuse_other_content(scenario, digests)
     nominal = _nominal(scenario)
-    designs = _design(scenario, nominal, fmus, earlier)
+    designs = {} if earlier is None else _design(scenario, nominal, fmus, earlier)
     specs, left = dict(spec.components), []
     for name, swap in swaps(scenario, fmus).items():
         specs[name], not_taken_over = swap.take_over(specs[name])

@@ -16,11 +16,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from fmus.allowed import refusal as not_allowed
 from fmus.model import is_record, leaves
-from fmus.own import at_home
+from fmus.own import OWN_PACKAGES, at_home
 from orchestrator.errors import DesignError, FeedDriveError, did_you_mean
 from orchestrator.result import Signal
-from orchestrator.scenario.design_cache import remembered
+from orchestrator.scenario.design_cache import OURS, remembered
 from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.schema import DesignSpec
 from orchestrator.scenario.written import in_floats, parse_value
@@ -73,7 +74,7 @@ def find_function(call: str) -> Callable[..., Any]:
         DesignError: there is no such module or function.
     """
     module_name, _, function_name = call.partition(":")
-    if why := refusal(module_name):
+    if why := refusal(module_name) or not_allowed(module_name):
         raise DesignError(f"call = {call!r}: {why}")
     try:
         with at_home():
@@ -85,6 +86,9 @@ def find_function(call: str) -> Callable[..., Any]:
         public = [n for n, f in vars(module).items() if callable(f) and n[0] != "_"]
         remedy = did_you_mean(function_name, public)
         raise DesignError(f"call = {call!r}: no such function; {remedy}")
+    defined = f"{getattr(function, '__module__', '')}."
+    if module_name.partition(".")[0] in OWN_PACKAGES and not defined.startswith(OURS):
+        raise DesignError(f"call = {call!r}: no design function; those are of {OURS}")
     found: Callable[..., Any] = function
     return found
 

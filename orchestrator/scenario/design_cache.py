@@ -6,20 +6,19 @@ of others may read files or draw random numbers and are called every time.
 """
 
 import json
-import tempfile
 from collections.abc import Callable, Mapping
 from hashlib import sha256
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fmus.cache import cache_folder
+from fmus.cache import building, cache_folder, entry, publish
 from fmus.closure import NoSuchModule, closure, data_files, files_digest
 from orchestrator.system import Value
 
 OURS = "controllers."
+VALUES = "values.json"
 PACKAGES = ("casadi", "control", "feeddrive-cosim", "numpy", "scipy")
 
 Values = dict[str, Value]
@@ -37,17 +36,14 @@ def remembered(
     if not sources:
         return compute()
     key = _key(call, arguments, files_digest(sources, data_files(sources)))
-    file = cache_folder() / "designs" / f"{key}.json"
-    if file.is_file():
+    place = cache_folder() / "designs" / key
+    for file in entry(place).values():
         found = json.loads(file.read_text(encoding="utf-8"))
         return {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
     values = compute()
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(
-        "w", dir=file.parent, suffix=".tmp", delete=False, encoding="utf-8"
-    ) as unfinished:
-        json.dump(values, unfinished)
-    Path(unfinished.name).replace(file)
+    with building(place.parent) as folder:
+        (folder / VALUES).write_text(json.dumps(values), encoding="utf-8")
+        publish([folder / VALUES], place)
     return values
 
 

@@ -9,10 +9,11 @@ from fmus.build import BuildError, build, load_model
 from fmus.model import Sampled
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import read_fmu
+from orchestrator.scenario.component import ComponentSpec
 from orchestrator.scenario.moved import refusal
 from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
-from orchestrator.scenario.schema import ComponentSpec, Specification
+from orchestrator.scenario.schema import Specification
 from orchestrator.signals.recording import Recording, play
 from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
 from orchestrator.warned import warn

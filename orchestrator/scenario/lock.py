@@ -53,6 +53,10 @@ def locked(composition: Composition) -> dict[str, Any]:
         },
         "record": {name: _plain(rows) for name, rows in system.record.items()},
         "metrics": _plain(metrics),
+        "responses": {
+            name: _plain(one.model_dump(by_alias=True))
+            for name, one in spec.responses.items()
+        },
         "expect": expect,
         "lock": {
             "scenario": system.name,

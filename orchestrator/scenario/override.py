@@ -16,7 +16,6 @@ value of a name holds.  Whether a parameter exists is
 known when the scenario is composed, from the FMU's variables.
 """
 
-import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from typing import Any
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.written import parse_setting
+from orchestrator.toml import read_toml_text, toml
 
 _TABLES = ("rates", "design", "faults", "metrics", "record", "connections")
 OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
@@ -72,8 +72,8 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
 def parse_override_value(written: str) -> Any:
     """Return the value of an override: a TOML value, or else the text itself."""
     try:
-        return tomllib.loads(f"v = {written}", parse_float=DecimalFloat)["v"]
-    except tomllib.TOMLDecodeError:
+        return toml(f"v = {written}", DecimalFloat)["v"]
+    except ValueError:
         text = written.strip()
     try:
         return DecimalFloat(text)
@@ -113,15 +113,15 @@ def parse_map(text: str) -> Any:
     """
     try:
         if text.endswith(".toml"):
-            return tomllib.loads(Path(text).read_text(encoding="utf-8"))
+            return toml(read_toml_text(Path(text)))
         if "\n" in text.strip():
-            return tomllib.loads(text)
-        return tomllib.loads(f"map = {{{text}}}")["map"]
+            return toml(text)
+        return toml(f"map = {{{text}}}")["map"]
     except OSError as error:
         raise ScenarioError(
             f"--map {text}: cannot be read ({error.strerror})"
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise ScenarioError(
             f"--map {text}: not valid TOML ({error}); write a .toml file, or inline "
             f'\'u = {{name = "voltage", gain = -1}}, x_1 = "angle"\''

@@ -5,14 +5,14 @@ A scenario is TOML: ``stop``, ``rates``, ``components``, ``connections``,
 
     start value of the FMU < design step < scenario file < --set
 
-``base = "other.toml"`` inherits from a scenario of the same folder, table by
-table, ``base = ["one.toml", "two.toml"]`` from several, the later before the
-earlier; an inherited entry is removed by the value ``false``.  Every complaint
-names the file and the key path.  ``nominal`` is the scenario without what the
-command line changed on components: what design steps are told.
+``base = "other.toml"`` inherits from a scenario of the same folder, or a published
+``<study>/<scenario>``, table by table, ``base = ["one.toml", "two.toml"]`` from
+several, the later before the earlier; an inherited entry is removed by the value
+``false``.  Every complaint names the file and the key path.  ``nominal`` is the
+scenario without what the command line changed on components: what design steps are
+told.
 """
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,6 +27,7 @@ from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
 from orchestrator.scenario.takeover import TABLES
+from orchestrator.toml import read_toml_text, toml
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
@@ -37,9 +38,11 @@ REMOVABLE = (
     "design",
     "record",
     "metrics",
+    "responses",
     "expect",
 )
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
+HEIRS = 50  # files in a row, each the base of the next
 _NOT_SCENARIOS = ("reference.toml",)
 
 
@@ -201,11 +204,10 @@ def read_toml(file: Path) -> dict[str, Any]:
         ScenarioError: the file cannot be read or is no TOML.
     """
     try:
-        text = file.read_text(encoding="utf-8")
-        return tomllib.loads(text, parse_float=DecimalFloat)
+        return toml(read_toml_text(file), DecimalFloat)
     except OSError as error:
         raise ScenarioError(f"{file}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise ScenarioError(f"{file}: not valid TOML: {error}") from None
 
 
@@ -215,19 +217,26 @@ def read_scenario(file: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: a base is missing, malformed or inherits from itself.
     """
+    layers: dict[Path, dict[str, Any]] = {}
+    _gather(file.resolve(), (), layers)
     merged: dict[str, Any] = {}
-    for layer in _layers(file.resolve(), ()).values():
+    for layer in layers.values():
         merged = _inherit(merged, layer)
     return merged
 
 
-def _layers(file: Path, heirs: tuple[Path, ...]) -> dict[Path, dict[str, Any]]:
-    """Return the tables of a file behind those of its bases, each file once."""
+def _gather(
+    file: Path, heirs: tuple[Path, ...], layers: dict[Path, dict[str, Any]]
+) -> None:
+    """Add the tables of a file behind those of its bases, each file once."""
+    if len(heirs) > HEIRS:
+        raise ScenarioError(f"{file}: base: more than {HEIRS} files inherit in a row")
     raw = read_toml(file)
     bases = raw.pop("base", [])
-    layers: dict[Path, dict[str, Any]] = {}
     for base in bases if isinstance(bases, list) else [bases]:
         parent = (file.parent / str(base)).resolve()
+        if not parent.is_file() and "/" in str(base) and not parent.suffix:
+            parent = find_scenario(str(base)).resolve()
         if not parent.is_file():
             known = [f.name for f in file.parent.glob("*.toml")]
             raise ScenarioError(
@@ -236,8 +245,9 @@ def _layers(file: Path, heirs: tuple[Path, ...]) -> dict[Path, dict[str, Any]]:
             )
         if parent in (*heirs, file):
             raise ScenarioError(f"{file}: base: {base} inherits from itself")
-        layers = {**layers, **_layers(parent, (*heirs, file))}
-    return {**layers, file: raw}
+        if parent not in layers:
+            _gather(parent, (*heirs, file), layers)
+    layers[file] = raw
 
 
 def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:

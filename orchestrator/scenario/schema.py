@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeAlias
 
-import numpy as np
 from pydantic import (
     Field,
     PlainValidator,
@@ -33,15 +32,11 @@ from orchestrator.evaluation.schema import (
     Strict,
     Window,
 )
-from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
-from orchestrator.scenario.written import (
-    in_floats,
-    parse_scalar,
-    parse_setting,
-    parse_value,
-)
-from orchestrator.signals.recording import AtEnd, Interpolation
-from orchestrator.system import FaultKind, Kind, Value, split_name
+from orchestrator.quantities.quantity import parse_period
+from orchestrator.scenario.component import ComponentSpec
+from orchestrator.scenario.responses import FIGURES, ResponseSpec
+from orchestrator.scenario.written import in_floats, parse_scalar, parse_value
+from orchestrator.system import FaultKind, split_name
 
 RESERVED = (
     *("stop", "fmi", "rates", "design", "base", "faults"),
@@ -68,100 +63,9 @@ def _source(value: Any) -> float | str | tuple[str, ...]:
     return parse_scalar(value)
 
 
-Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Rate: TypeAlias = Annotated[Fraction, PlainValidator(parse_period)]
-Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Rows: TypeAlias = Annotated[tuple[Fraction | None, ...], PlainValidator(_rows)]
-Number: TypeAlias = Annotated[Value, PlainValidator(parse_setting)]
 Source: TypeAlias = Annotated[float | str | tuple[str, ...], PlainValidator(_source)]
-
-
-class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side.
-
-    A ``value``, in our unit, is one of the component's parameters.
-    """
-
-    name: str
-    gain: float | None = None
-    offset: float | None = None
-    unit: str | None = None
-
-    @field_validator("gain")
-    @classmethod
-    def _passes_something(cls, value: float | None) -> float | None:
-        if value is not None and (value == 0 or not np.isfinite(value)):
-            raise ValueError(f"{value} is no gain: a finite number other than zero")
-        return value
-
-
-class ExperimentSpec(Strict):
-    """Whether the stop time is handed over, and a relative tolerance."""
-
-    stop: bool = False
-    tolerance: float | None = Field(default=None, gt=0)
-
-
-class ComponentSpec(Strict):
-    """One component: its FMU (``plants.x``, a ``.py`` or an ``.fmu``) and times.
-
-    Or the signals of a file, ``data``: ``interpolation`` between its rows, ``begin`` is
-    its time (s) at the start of the run, ``rate`` how far apart its rows are, exactly;
-    ``at_end`` its last values hold or the run ends.
-    """
-
-    fmu: str = ""
-    data: str | None = None
-    interpolation: Interpolation = "hold"
-    begin: Time = Fraction(0)
-    rate: Period | None = None
-    at_end: AtEnd | None = None
-    step: Period | None = None
-    offset: Time = Fraction(0)
-    latency: int = Field(default=0, ge=0)
-    kind: Kind | None = None
-    parameters: dict[str, Number] = Field(default_factory=dict)
-    start: dict[str, Number] = Field(default_factory=dict)
-    map: dict[str, MapSpec] = Field(default_factory=dict)
-    isolation: Literal["process", "none"] | None = None
-    answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
-    memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
-    experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
-    split: bool | None = None
-
-    @field_validator("map", mode="before")
-    @classmethod
-    def _short_map(cls, value: Any) -> Any:
-        if not isinstance(value, dict):
-            return value
-        return {k: {"name": v} if isinstance(v, str) else v for k, v in value.items()}
-
-    @model_validator(mode="after")
-    def _model_or_data(self) -> "ComponentSpec":
-        if bool(self.fmu) == (self.data is not None):
-            raise ValueError(
-                'give fmu = "...", a model, or data = "...", a file of signals'
-            )
-        of_data = {"interpolation", "begin", "rate", "at_end"} & self.model_fields_set
-        if self.fmu and of_data:
-            raise ValueError(f"{min(of_data)} is for data = a file of signals")
-        return self
-
-    @model_validator(mode="after")
-    def _each_value_once(self) -> "ComponentSpec":
-        if twice := [name for name in self.parameters if name in self.start]:
-            raise ValueError(
-                f"{twice[0]} stands under parameters and under start, which are one "
-                f"table; remove one of the two"
-            )
-        return self
-
-    @field_validator("offset")
-    @classmethod
-    def _not_before_zero(cls, value: Fraction) -> Fraction:
-        if value < 0:
-            raise ValueError(f"{value} is before the start at 0")
-        return value
 
 
 class DesignSpec(Strict):
@@ -270,6 +174,7 @@ class Specification(Strict):
     design: dict[str, DesignSpec] = Field(default_factory=dict)
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
+    responses: dict[str, ResponseSpec] = Field(default_factory=dict)
     expect: dict[str, Expectation] = Field(default_factory=dict)
     expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
@@ -338,9 +243,33 @@ class Specification(Strict):
         for name in self.expect_like.signals if self.expect_like else ():
             self._variable(f'expect_like.signals."{name}"', name)
         for name in self.expect:
-            metric_name = name.rpartition(".")[0]
-            _one_of(f'expect."{name}"', "metric", metric_name, self.metrics)
+            owner, _, figure = name.rpartition(".")
+            if owner in self.responses:
+                _one_of(f'expect."{name}"', "figure", figure, FIGURES)
+            elif self.responses:
+                known = {*self.metrics, *self.responses}
+                _one_of(f'expect."{name}"', "metric or response", owner, known)
+            else:
+                _one_of(f'expect."{name}"', "metric", owner, self.metrics)
+        for name, response in self.responses.items():
+            if name in self.metrics:
+                raise ValueError(f"responses.{name}: is the name of a metric too")
+            for broken in response.breaks:
+                self._variable(f"responses.{name}.break", broken)
         return self
+
+    @property
+    def expected_of_run(self) -> dict[str, Expectation]:
+        """What is expected of metrics."""
+        return {k: e for k, e in self.expect.items() if not self._of_response(k)}
+
+    @property
+    def expected_of_responses(self) -> dict[str, Expectation]:
+        """What is expected of responses, which no run carries out."""
+        return {k: e for k, e in self.expect.items() if self._of_response(k)}
+
+    def _of_response(self, figure: str) -> bool:
+        return figure.rpartition(".")[0] in self.responses
 
     def _variable(self, path: str, variable: str) -> None:
         component, name = split_name(variable)

@@ -13,7 +13,7 @@ from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, is_inward, ports
 from orchestrator.quantities.unit import Unit, conversion
-from orchestrator.scenario.schema import ComponentSpec, MapSpec
+from orchestrator.scenario.component import ComponentSpec, MapSpec
 from orchestrator.system import Component, Mapped, Value
 from orchestrator.warned import warn
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from fmus.trust import digest
+from fmus.cache import digest
 from orchestrator.errors import ScenarioError
 from orchestrator.quantities.quantity import rate as rate_text
 from orchestrator.quantities.quantity import time_text

@@ -16,7 +16,7 @@ from fmus.model import Var
 class Amplifier(NamedTuple):
     """Current loop as its DC gain, which it keeps within 12 % below 1000 rad/s."""
 
-    k_a: Annotated[float, Var("A/V", "gain of the current loop")] = 0.887
+    k_a: Annotated[float, Var("A/V", "gain of the current loop", min=0)] = 0.887
     k_t: Annotated[float, Var("N.m/A", "torque constant")] = 0.72
 
 

@@ -16,8 +16,8 @@ class Input(NamedTuple):
     v_m: Annotated[float, Var("V", "command to the amplifier")] = 0.0
     f_m: Annotated[float, Var("N", "further force on the motor side")] = 0.0
     f_c: Annotated[float, Var("N", "external force on the table")] = 0.0
-    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing")] = 0.4
-    m_wor: Annotated[float, Var("kg", "mass of the workpiece")] = 0.0
+    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing", min=0)] = 0.4
+    m_wor: Annotated[float, Var("kg", "mass of the workpiece", min=0)] = 0.0
 
 
 class Output(NamedTuple):

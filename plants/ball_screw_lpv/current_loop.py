@@ -30,10 +30,10 @@ class Output(NamedTuple):
 class Parameters(NamedTuple):
     L_m: Annotated[float, Var("H", "inductance", min=1e-9)] = 0.0375
     R_m: Annotated[float, Var("V/A", "resistance", min=0)] = 6.5
-    k_a: Annotated[float, Var("A/V", "gain of the amplifier")] = 0.887
+    k_a: Annotated[float, Var("A/V", "gain of the amplifier", min=0)] = 0.887
     k_cp: Annotated[float, Var("V/A", "proportional gain", min=0)] = 111.55
     k_ci: Annotated[float, Var("V/(A.s)", "integral gain", min=0)] = 3.0019e5
-    k_emf: Annotated[float, Var("V.s/rad", "back-EMF constant")] = 0.4173
+    k_emf: Annotated[float, Var("V.s/rad", "back-EMF constant", min=0)] = 0.4173
     k_t: Annotated[float, Var("N.m/A", "torque constant")] = 0.72
 
 

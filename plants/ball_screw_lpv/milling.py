@@ -43,10 +43,10 @@ class Parameters(NamedTuple):
     c: Annotated[float, Var("m", "feed per tooth", min=0)] = 1e-4
     D: Annotated[float, Var("m", "diameter of the tool", min=1e-6)] = 18e-3
     beta: Annotated[float, Var("rad", "helix angle", min=1e-6, max=1.5)] = np.pi / 6
-    K_tc: Annotated[float, Var("Pa", "tangential cutting constant")] = 1.980e9
-    K_rc: Annotated[float, Var("Pa", "radial cutting constant")] = 0.540e9
-    K_te: Annotated[float, Var("N/m", "tangential edge constant")] = 35e3
-    K_re: Annotated[float, Var("N/m", "radial edge constant")] = 30e3
+    K_tc: Annotated[float, Var("Pa", "tangential cutting constant", min=0)] = 1.980e9
+    K_rc: Annotated[float, Var("Pa", "radial cutting constant", min=0)] = 0.540e9
+    K_te: Annotated[float, Var("N/m", "tangential edge constant", min=0)] = 35e3
+    K_re: Annotated[float, Var("N/m", "radial edge constant", min=0)] = 30e3
     phi_st: Annotated[float, Var("rad", "a tooth enters", min=0, max=np.pi)] = 0.0
     phi_ex: Annotated[float, Var("rad", "a tooth leaves", min=0, max=np.pi)] = np.pi / 2
     t_on: Annotated[float, Var("s", "the cut begins", min=0)] = 0.0

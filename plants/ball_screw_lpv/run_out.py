@@ -21,7 +21,7 @@ class State(NamedTuple):
 
 
 class Input(NamedTuple):
-    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing")] = 0.4
+    x_c: Annotated[float, Var("m", "nut distance from the thrust bearing", min=0)] = 0.4
 
 
 class Output(NamedTuple):

@@ -38,12 +38,12 @@ class State(NamedTuple):
 class Waves(NamedTuple):
     """Both modes at nut distances and, for each, at masses of the workpiece."""
 
-    x_c: Annotated[FloatArray, Var("m", "nut distances of the table", fixed=True)] = (
-        np.array(TABLE["x_c"])
-    )
-    m_wor: Annotated[FloatArray, Var("kg", "masses of the table", fixed=True)] = (
-        np.array(TABLE["m_wor"])
-    )
+    x_c: Annotated[
+        FloatArray, Var("m", "nut distances of the table", fixed=True, min=0)
+    ] = np.array(TABLE["x_c"])
+    m_wor: Annotated[
+        FloatArray, Var("kg", "masses of the table", fixed=True, min=0)
+    ] = np.array(TABLE["m_wor"])
     modes: Annotated[
         FloatArray, Var("1", "ω in rad/s, φ_m, φ_c of both modes", fixed=True)
     ] = np.array(TABLE["modes"]).reshape(-1, 6)

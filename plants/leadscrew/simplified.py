@@ -26,9 +26,11 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    K: Annotated[float, Var("mm/(A.s)", "gain of the object")] = 32.3
-    alpha_c: Annotated[float, Var("1/s", "inclination of the trajectory")] = 505.0
-    alpha_obj: Annotated[float, Var("1/s", "damping of the object")] = 505.0
+    K: Annotated[float, Var("mm/(A.s)", "gain of the object", min=0)] = 32.3
+    alpha_c: Annotated[float, Var("1/s", "inclination of the trajectory", min=0)] = (
+        505.0
+    )
+    alpha_obj: Annotated[float, Var("1/s", "damping of the object", min=0)] = 505.0
 
 
 def derivative(x: State, u: Input, p: Parameters) -> State:

@@ -35,7 +35,7 @@ class Friction(NamedTuple):
 class Axis(NamedTuple):
     """Rigid body (Table 8.1) and flexible factor (Table 8.2)."""
 
-    k_a: Annotated[float, Var("A/V", "gain of the amplifier")]
+    k_a: Annotated[float, Var("A/V", "gain of the amplifier", min=0)]
     p_t: Annotated[float, Var("m", "pitch: travel per turn", min=1e-9)]
     J_e: Annotated[float, Var("kg.m2", "inertia at the motor", min=1e-9)]
     B_e: Annotated[float, Var("N.m.s/rad", "viscous damping", min=0)]

@@ -31,9 +31,9 @@ class Output(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    b: Annotated[float, Var("mm/(V.s2)", "numerator of G_m")] = 78020.0
-    a_1: Annotated[float, Var("1/s", "coefficient of s")] = 163.0
-    a_0: Annotated[float, Var("1/s2", "constant of the denominator")] = 193.3
+    b: Annotated[float, Var("mm/(V.s2)", "numerator of G_m", min=0)] = 78020.0
+    a_1: Annotated[float, Var("1/s", "coefficient of s", min=0)] = 163.0
+    a_0: Annotated[float, Var("1/s2", "constant of the denominator", min=0)] = 193.3
     tau: Annotated[float, Var("s", "dead time", min=0)] = 1.2e-3
 
 

@@ -47,6 +47,15 @@ def tell(command: list[str | Path], folder: Path) -> tuple[int, float]:
     return int(found[1]), float(found[2])
 
 
+def static_data(file: Path) -> int:
+    """Return the bytes of memory that an object file takes besides its code."""
+    done = subprocess.run(
+        ["arm-none-eabi-size", file], check=True, capture_output=True, text=True
+    )
+    _, data, bss, *_ = done.stdout.split("\n")[1].split()
+    return int(data) + int(bss)
+
+
 def test_the_test_vector_is_that_of_the_fmu_bit_for_bit(sampled, tmp_path):
     needed("gcc")
     s = subject(sampled)
@@ -70,7 +79,7 @@ def test_the_test_vector_is_that_of_the_fmu_bit_for_bit(sampled, tmp_path):
 def test_a_cortex_m_steps_to_the_same_bits_or_with_a_small_error(
     sampled, real, tmp_path
 ):
-    needed("arm-none-eabi-gcc", "qemu-system-arm")
+    needed("arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm")
     folder = build_c(sampled, folder=tmp_path, real=real)
     command = ["arm-none-eabi-gcc", "-O2", *STRICT, *CORTEX]
     if real == "float":
@@ -88,6 +97,7 @@ def test_a_cortex_m_steps_to_the_same_bits_or_with_a_small_error(
         target = folder / f"{source.stem}.o"
         subprocess.run([*command, "-c", source, "-o", target], check=True)
         objects.append(target)
+    assert static_data(folder / f"{subject(sampled).model.name}.o") == 0
     link = ["arm-none-eabi-gcc", *CORTEX, *script, *objects, BOARD / "start.c"]
     subprocess.run([*link, "-o", folder / "t.elf", "-lm"], check=True)
     board = ["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-semihosting"]

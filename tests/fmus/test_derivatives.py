@@ -23,6 +23,7 @@ REPRESENTATIVES = (
     "plants.ball_screw_lpv.lpv",
     "plants.leadscrew.axis",
     "plants.xy_table.axis",
+    "controllers.three_axis.task_frame",
 )
 
 
@@ -63,6 +64,22 @@ def direction(s, fmi, instance, dx, du):
     of, by = [v.reference for v in unknowns], [v.reference for v in knowns]
     size = sum(v.size for v in unknowns)
     return np.array(instance.slave.getDirectionalDerivative(of, by, seed, size))
+
+
+def test_at_rest_there_are_directional_derivatives(differentiated):
+    """A root of 0 has none, which an FMU would refuse with."""
+    s = subject(differentiated)
+    found = tangent(s.model, s.traced)
+    if found is None:
+        return
+    random = np.random.default_rng(12)
+    T_s = 0.0 if s.continuous else float(s.model.period)
+    *start, p = s.start()
+    d = s.traced.functions["prepare"](p, T_s)
+    for x, u in (start, [0 * part for part in start]):
+        changes = random.normal(size=x.size), random.normal(size=u.size)
+        for result in found(x, u, p, d, T_s, *changes):
+            assert np.isfinite(result.full()).all()
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

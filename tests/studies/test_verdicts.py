@@ -107,6 +107,7 @@ PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
         ("Table 6-5", "nm"): (6, 964.4),
         ("Table 6-6", "nm"): (9, 402.2),
         ("Table 6-7", "nm"): (3, 30.2),
+        ("Table 6-7, on the reading", "nm"): (3, 30.2),  # the same three
         ("Sec. 6.3.3", "%"): (2, 3.5),
         ("Sec. 7.2", "1"): (3, 2.52),
         ("Sec. 7.3", "1"): (3, 2.82),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from foreign import compile_source, configured, packed
+from foreign import compile_source, configured, packed, whole
 
 SOURCE = Path(__file__).with_name("correct.c")
 KINDS = (
@@ -60,7 +60,7 @@ def _compiled(fmi: int, kind: str, more: int, folder: Path) -> Path:
 def source_of(fmi: int, kind: str = "plain") -> dict[str, str]:
     """Return its sources by name."""
     config = configured(fmi, SOURCE, (), defined(kind))
-    return {"config.h": config, "correct.c": SOURCE.read_text()}
+    return {"config.h": config, "correct.c": whole(SOURCE)}
 
 
 def describe(fmi: int, variable_step: bool = True) -> str:

@@ -41,15 +41,25 @@ def compile_source(
 ) -> Path:
     """Compile a source whose config.h names it the standard's functions."""
     config = configured(fmi, source, present, defined)
-    sources = {"config.h": config, source.name: source.read_text()}
+    sources = {"config.h": config, source.name: whole(source)}
     return compile_alone(source.stem, sources, host_platform(), folder / "libraries")
+
+
+def whole(source: Path) -> str:
+    """Return a C source with the files of its folder that it includes in it."""
+
+    def content(line: re.Match[str]) -> str:
+        file = source.with_name(line[1])
+        return file.read_text() if file.is_file() else line[0]
+
+    return re.sub(r'(?m)^#include "(.*)"$', content, source.read_text())
 
 
 def configured(
     fmi: int, source: Path, present: Collection[str], defined: Mapping[str, int]
 ) -> str:
     """Return config.h: functions neither in the text nor ``present`` return Error."""
-    text = source.read_text()
+    text = whole(source)
     slaves = (FMU2Slave,) if fmi == 2 else (FMU3Slave, FMU3Model)
     renamed = {
         "ENTER": f"fmi{fmi}EnterInitializationMode",

@@ -46,6 +46,8 @@ class Flat:
         while (edge := self.fed.get(sink)) is not None and edge not in edges:
             edges.append(edge)
             sink = edge.source
+            if sink[0] in self.parts:
+                break
         return edges[::-1]
 
     def ends(self, node: Node) -> Iterator[list[Edge]]:

@@ -88,7 +88,7 @@ def checked(
     for note in tables.notes:
         warn(f"{path.name}: {note}")
     for place, name in tables.names.items():
-        if place != (name,):
+        if place[-1] != name:
             warn(f"{path.name}: {'/'.join(place)} is called {name} here")
     raw = tables.tables()
     if "rates" in raw:

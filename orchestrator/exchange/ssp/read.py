@@ -4,7 +4,6 @@ What cannot be run is collected and named at once; only a file that is no such
 document ends the reading.
 """
 
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
@@ -31,6 +30,7 @@ from orchestrator.exchange.ssp.records import (
     Timing,
 )
 from orchestrator.exchange.ssp.xml import FMU_TYPE, NAMESPACES, OURS, local
+from orchestrator.quantities.quantity import exact
 
 _STEPS = {  # elements of annotations that say a step, and the attribute that does
     "FixedStepMaster": "stepSize",  # OMSimulator, the earlier OSP
@@ -106,7 +106,7 @@ class _Reader:
                 if written is None:
                     continue
                 try:
-                    if Fraction(written) > 0:
+                    if exact(written) > 0:
                         return str(written)
                 except (ValueError, ZeroDivisionError):
                     pass

@@ -20,6 +20,7 @@ from orchestrator.exchange.ssp.setting import Setting, Settings
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.ports import Affine, connection, ports
 from orchestrator.fmu.start_values import declared
+from orchestrator.quantities.quantity import exact
 from orchestrator.scenario.schema import RESERVED
 from orchestrator.system import Component, Mapped, Value
 
@@ -273,7 +274,7 @@ class Tables:
         told, timing = self.structure.stop, self.structure.timing
         start = self.structure.start
         try:
-            if start is not None and Fraction(start) != 0:
+            if start is not None and exact(start) != 0:
                 self.faults.append(
                     f"DefaultExperiment: starts at {start} s; a run starts at 0: set "
                     f"startTime to 0"
@@ -283,7 +284,7 @@ class Tables:
                 return None
             if timing is not None and float(Fraction(timing.stop)) == float(told):
                 return timing.stop
-            stop = Fraction(told)
+            stop = exact(told)
         except (ValueError, ZeroDivisionError):
             self.faults.append(
                 f"DefaultExperiment: startTime {start!r} and stopTime {told!r} are "

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from orchestrator.errors import FeedDriveError, ScenarioError
-from orchestrator.exchange.ssp.flat import Edge, Flat, Path
+from orchestrator.exchange.ssp.flat import Edge, Flat, Node, Path
 from orchestrator.exchange.ssp.passage import Hop, passed
 from orchestrator.exchange.ssp.records import Binding, Given, Mapped
 from orchestrator.fmu.description import FmuDescription, FmuVariable
@@ -136,35 +136,48 @@ class Settings:
             )
         return own
 
-    def through(self, sources: Callable[[Path, str], Value | None]) -> None:
+    def through(self, value_of: Callable[[Path, str], Value | None]) -> None:
         """Hand values of parameters on to the parameters they are connected to."""
-        for sink, _edge in self.flat.fed.items():
-            path, name = sink
-            fmu = self.fmus.get(path)
-            if fmu is None or name not in fmu.variables:
-                continue
-            way = self.flat.way(sink)
-            owner, source = way[0].source
-            theirs = self.fmus.get(owner)
-            if theirs is None or source not in theirs.variables:
-                continue
-            if theirs.variables[source].causality != "parameter":
-                continue
-            value = sources(owner, source)
-            if value is None:
-                self.faults.append(
-                    f"{way[-1].written.where}: {source} has no value to hand on"
-                )
-                continue
-            words = tuple(map(str, value if isinstance(value, tuple) else (value,)))
-            given = Given(source, theirs.variables[source].fmi_type, words)
-            try:
-                affine, _ = passed(self.unit(way[0].source), self.hops(way))
-                own = _value(given, fmu.variables[name], affine)
-            except FeedDriveError as error:
-                self.faults.append(f"{way[-1].written.where}: {error}")
-                continue
-            self.found.setdefault(path, {})[name] = Setting(own, given, None)
+        done: set[Node] = set()
+        for sink in self.flat.fed:
+            self._hand_on(sink, value_of, done)
+
+    def _hand_on(
+        self, sink: Node, value_of: Callable[[Path, str], Value | None], done: set[Node]
+    ) -> None:
+        path, name = sink
+        fmu = self.fmus.get(path)
+        if sink in done or fmu is None or name not in fmu.variables:
+            return
+        done.add(sink)
+        way = self.flat.way(sink)
+        owner, source = way[0].source
+        theirs = self.fmus.get(owner)
+        if theirs is None or source not in theirs.variables:
+            return
+        variable = theirs.variables[source]
+        if variable.causality != "parameter":
+            return
+        if way[0].source in self.flat.fed:
+            self._hand_on(way[0].source, value_of, done)
+        where = way[-1].written.where
+        value = value_of(owner, source)
+        if value is None:
+            self.faults.append(f"{where}: {source} has no value to hand on")
+            return
+        words = tuple(map(_word, value if isinstance(value, tuple) else (value,)))
+        given = Given(source, variable.fmi_type, words)
+        try:
+            affine, _ = passed(self.unit(way[0].source), self.hops(way))
+            own = _value(given, fmu.variables[name], affine)
+        except FeedDriveError as error:
+            self.faults.append(f"{where}: {error}")
+            return
+        self.found.setdefault(path, {})[name] = Setting(own, given, None)
+
+
+def _word(value: Scalar) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _mapped(binding: Binding) -> Iterator[tuple[Given, Mapped | None]]:

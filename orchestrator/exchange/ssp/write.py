@@ -23,6 +23,7 @@ from typing import Any, cast, get_args
 
 from fmus.archive import write_archive
 from orchestrator.errors import ScenarioError
+from orchestrator.exchange.ssp.beside import kept
 from orchestrator.exchange.ssp.values import (
     connector_type,
     entries,
@@ -57,15 +58,24 @@ _OF_REST = ("title", "description", "faults", "record", "metrics", "expect")
 _NANO = Fraction(1, 10**9)
 
 
-def export_ssp(composition: Composition, target: Path, version: str = "1.0") -> Path:
+def export_ssp(
+    composition: Composition, target: Path, version: str | None = None
+) -> Path:
     """Write a composition into an ``.ssp`` file.
+
+    Without a version one that was imported and is unchanged is written as it was,
+    any other as 1.0.
 
     Raises:
         ScenarioError: SSP of that version cannot say what the composition is.
         WiringError: its parts do not fit together.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    return write_archive(target, members(composition, version))
+    same = kept(composition) if version is None else None
+    if same is not None:
+        target.write_bytes(same.read_bytes())
+        return target
+    return write_archive(target, members(composition, version or "1.0"))
 
 
 def members(composition: Composition, version: str = "1.0") -> dict[str, bytes]:

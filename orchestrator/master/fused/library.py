@@ -13,6 +13,7 @@ from fmus.native_source import adapter_sources
 from orchestrator.native import library as kernel
 
 HEADERS = Path(kernel.__file__).parent / "fused"
+FAULTS = HEADERS.parent / "faults.h"
 ELEMENTARY = ("elementary.h", "angles.h", "sums.h")
 QUIET = (
     "-Wno-unused-function",
@@ -23,10 +24,10 @@ QUIET = (
 
 
 @cache
-def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
+def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any]:
     """Return what engine.h declares, for W lanes, as C lays it out.
 
-    In this order: Instance, Line, Faulty, Rows, Engine, Injected.
+    In this order: Instance, Line, Rows, Engine, Injected.
 
     Vectors stand at multiples of their own size.
     """
@@ -40,7 +41,7 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
             ("first", c_size_t),
             ("count", c_size_t),
             ("capacity", c_size_t),
-            *_padding(8 * lanes + 40, lanes),
+            *kernel.padding(8 * lanes + 40, lanes),
         ]
 
     class Instance(ctypes.Structure):
@@ -49,19 +50,11 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
             ("lines", c_void_p),
             ("held", c_void_p),
             ("head", c_size_t),
-            *_padding(32, lanes, "before"),
+            *kernel.padding(32, lanes, "before"),
             ("wrong", number),
             ("failure", c_int32),
             ("_", c_int32),
-            *_padding(_whole(32, lanes) + 8 * lanes + 8, lanes),
-        ]
-
-    class Faulty(ctypes.Structure):
-        _fields_: ClassVar[Any] = [
-            ("clean", number),
-            ("memory", c_void_p),
-            ("head", c_size_t),
-            *_padding(8 * lanes + 16, lanes),
+            *kernel.padding(_whole(32, lanes) + 8 * lanes + 8, lanes),
         ]
 
     class Injected(ctypes.Structure):
@@ -71,7 +64,7 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
             ("n", c_int64),
             ("first", c_int64),
             ("every", c_int64),
-            *_padding(8 * lanes + 32, lanes),
+            *kernel.padding(8 * lanes + 32, lanes),
         ]
 
     class Rows(ctypes.Structure):
@@ -89,17 +82,17 @@ def structures(lanes: int) -> tuple[Any, Any, Any, Any, Any, Any]:
             ("kernel", c_void_p),
             ("tick_num", c_int64),
             ("tick_den", c_int64),
-            *_padding(64, lanes, "before"),
+            *kernel.padding(64, lanes, "before"),
             ("alive", number),
             ("failed_part", c_int32 * lanes),
             ("failed_at", c_int64 * lanes),
             ("failure", c_int32),
             ("part", c_int32),
             ("instant", c_int64),
-            *_padding(engine_size, lanes),
+            *kernel.padding(engine_size, lanes),
         ]
 
-    return Instance, Line, Faulty, Rows, Engine, Injected
+    return Instance, Line, Rows, Engine, Injected
 
 
 def _whole(size: int, lanes: int) -> int:
@@ -110,11 +103,6 @@ def _even(size: int) -> int:
     return size + -size % 8
 
 
-def _padding(size: int, lanes: int, name: str = "after") -> list[tuple[str, Any]]:
-    missing = -size % (8 * lanes)
-    return [(name, ctypes.c_char * missing)] if missing else []
-
-
 @cache
 def load(text: str, lanes: int) -> Any:
     """Return the library of a source for W lanes; compiled first if it was not yet.
@@ -123,7 +111,7 @@ def load(text: str, lanes: int) -> Any:
         CompileError: there is no compiler, or none for this platform.
     """
     sources = {"fused.c": text}
-    for file in sorted(HEADERS.glob("*.h")):
+    for file in (*sorted(HEADERS.glob("*.h")), FAULTS):
         sources[file.name] = file.read_text(encoding="utf-8")
     adapters = adapter_sources()
     sources |= {name: adapters[name] for name in ELEMENTARY}
@@ -139,7 +127,7 @@ def load(text: str, lanes: int) -> Any:
         "fused", sources, host_platform(), cache_folder() / "fused", flags=flags
     )
     loaded = ctypes.CDLL(str(built))
-    engine = ctypes.POINTER(structures(lanes)[4])
+    engine = ctypes.POINTER(structures(lanes)[3])
     loaded.engine_run.restype = c_int64
     loaded.engine_run.argtypes = [
         engine,
@@ -153,7 +141,7 @@ def load(text: str, lanes: int) -> Any:
     ]
     loaded.engine_adopt.argtypes = [engine]
     loaded.engine_size.restype = c_size_t
-    assert loaded.engine_size() == ctypes.sizeof(structures(lanes)[4])
+    assert loaded.engine_size() == ctypes.sizeof(structures(lanes)[3])
     return loaded
 
 

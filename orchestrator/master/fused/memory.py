@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.equations import Equations
-from orchestrator.master.fused.faulty import memory_of
+from orchestrator.master.faulty import faulty_places
 from orchestrator.master.fused.library import structures
 from orchestrator.master.fused.own import Own
 from orchestrator.master.fused.source import Source
+from orchestrator.native.library import faulty_structure
 
 FloatArray = NDArray[np.float64]
 SHORTEST = 16  # steps of h_max / 16 fit into a delay line, as in simulation.c
@@ -44,7 +45,7 @@ class Memory:
         rows: Mapping[str, FloatArray],
         kernel: Any = None,
     ) -> None:
-        instance, self._line, faulty, table, engine, injected_place = structures(lanes)
+        instance, self._line, table, engine, injected_place = structures(lanes)
         self.lanes, self.vector = lanes, vector
         self._kept: list[Any] = [vector, rows, kernel]
         self.values = {
@@ -57,9 +58,16 @@ class Memory:
             n = max(1, own.part.component.latency * own.part.delayed)
             part.values = self.values[own.part.name].ctypes.data
             part.held = self._zeros((n, lanes))
-        self._faults = self._array(faulty, len(source.wiring.faulty))
-        for i, place in enumerate(source.wiring.faulty):
-            self._faults[i].memory = self._zeros((max(1, memory_of(place)), lanes))
+        tick = source.timetable.schedule.tick
+        faulty = faulty_places(
+            source.wiring,
+            tick,
+            int(vector.ctypes.data),
+            lambda n: self._zeros((n, lanes)),
+            self._filled,
+            lanes,
+        )
+        faults = self._filled(faulty_structure(lanes), list(faulty))
         self._injections = self._array(injected_place, len(source.wiring.injected))
         for i, injected in enumerate(source.wiring.injected):
             values = np.array(injected.values)
@@ -72,11 +80,10 @@ class Memory:
         for name, i in source.tables.items():
             if name in rows:
                 self.rows[i].values = rows[name].ctypes.data
-        tick = source.timetable.schedule.tick
         self.engine = self._array(engine, 1)[0]
         self.engine.vector = vector.ctypes.data
         self.engine.parts = ctypes.addressof(self._parts)
-        self.engine.faults = ctypes.addressof(self._faults)
+        self.engine.faults = ctypes.addressof(faults)
         self.engine.injections = ctypes.addressof(self._injections)
         self.engine.rows = ctypes.addressof(self.rows)
         if kernel is not None:
@@ -109,6 +116,11 @@ class Memory:
         room = aligned((ctypes.sizeof(whole),), np.uint8)
         self._kept.append(room)
         return whole.from_address(room.ctypes.data)
+
+    def _filled(self, kind: Any, elements: Sequence[Any]) -> Any:
+        array = self._array(kind, len(elements))
+        array[: len(elements)] = list(elements)
+        return array
 
     def _zeros(self, shape: Sequence[int]) -> int:
         array = aligned(shape)

@@ -13,7 +13,6 @@ lanes W that it is compiled for.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from fmus.equations import Equations
-from orchestrator.master.fused.faulty import fault_text
 from orchestrator.master.fused.own import (
     Own,
     affine_text,
@@ -86,7 +85,6 @@ class Source:
                 '#include "called.h"',
                 "#endif",
                 *self._models(),
-                *self._faults(),
                 *programs,
                 *self._dispatch(),
                 *self._adopted(),
@@ -203,12 +201,7 @@ class Source:
     def _fault_calls(self, source: str) -> Iterator[str]:
         for i, faulty in enumerate(self.wiring.faulty):
             if not source or faulty.edge.source == source:
-                yield f"fault_{i}(e, k, {int(bool(source))});"
-
-    def _faults(self) -> Iterator[str]:
-        tick = self.timetable.schedule.tick
-        for i, faulty in enumerate(self.wiring.faulty):
-            yield from fault_text(i, faulty, tick)
+                yield f"faulty_renew(e->faults + {i}, k, {int(bool(source))});"
 
     # initialisation
 
@@ -226,7 +219,8 @@ class Source:
             )
         for i, injected in enumerate(self.wiring.injected):
             yield f"    e->injections[{i}].began = z[{injected.place}];"
-        yield from (f"    begin_fault_{i}(e);" for i in range(len(self.wiring.faulty)))
+        yield f"    for (int i = 0; i < {len(self.wiring.faulty)}; i++)"
+        yield "        faulty_begin(e->faults + i);"
         yield "}"
         yield "EXPORTED void engine_adopt(Engine *e) {"
         for own in self.own.values():

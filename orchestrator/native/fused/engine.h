@@ -6,6 +6,8 @@
 
 #include "lanes.h"
 
+#include "faults.h"
+
 #include <float.h>
 #include <stddef.h>
 
@@ -41,12 +43,6 @@ typedef struct {
     V wrong; /* NaN in the lanes whose latest step gave what is not finite */
     int32_t failure, _;
 } Instance;
-
-/* A number that has faults. */
-typedef struct {
-    V clean, *memory; /* what it would receive; of each fault the last value or a line */
-    size_t head;
-} Faulty;
 
 /* Values added to an input: to itself, or to what it `began` with. */
 typedef struct {

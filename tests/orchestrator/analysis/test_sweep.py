@@ -1,19 +1,14 @@
 """Every member of a sweep has the figures of ``run`` with its values."""
 
 import json
-import multiprocessing
-import os
-import signal
 import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
-from time import sleep
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from broken import MISBEHAVES, MODES, pack
 from foreign import foreign
 from typer.testing import CliRunner
 
@@ -21,7 +16,7 @@ from orchestrator.analysis import members
 from orchestrator.analysis import width as measured
 from orchestrator.analysis.breaks import until_breaks
 from orchestrator.analysis.members import Job, Workers
-from orchestrator.analysis.sweep import MEMBERS, sweep
+from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.variations import Axis, Tolerance, grid, parse_axis, sample
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
@@ -152,111 +147,6 @@ def test_foreign_fmus_stay_loaded_and_a_failing_member_is_named(
         changed = load_scenario(file, [f"source.height={height}"])
         alone = run(changed, tmp_path / repr(height))
         assert outcome.figures["y.peak"] == alone.metrics["y.peak"]
-
-
-BREAKING = """
-stop = "1/100"
-[components.source]
-fmu = "controllers.references.stair"
-step = "1/1000"
-[components.alien]
-fmu = "{fmu}"
-step = "1/1000"
-parameters = {{ mode = {mode} }}
-[connections]
-"alien.u" = "source.x_r"
-[record]
-"alien.y" = true
-[metrics]
-y = {{ kind = "peak", of = "alien.y" }}
-"""
-
-
-def breaking(mode: str, folder: Path) -> Path:
-    file, fmu = folder / "breaking.toml", pack("misbehaves", MISBEHAVES, folder)
-    file.write_text(BREAKING.format(fmu=fmu, mode=MODES.index(mode)))
-    return file
-
-
-def test_a_member_that_crashes_its_fmu_is_named_and_no_other_is_lost(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    file = breaking("segfault", tmp_path)
-    command = ["sweep", str(file), "--vary", "alien.at=1,0.005,2,3,4", "--json"]
-    done = CliRunner().invoke(app, command)
-    assert done.exit_code == 1, done.output
-    told = json.loads(done.stdout)
-    assert (told["members"], told["failed"]) == (5, 1)
-    assert "1 of 5 members failed" in done.stderr
-    first, second, *others = pq.read_table(told["figures"]).to_pylist()
-    assert "SIGSEGV" in second["failure"]
-    for row in (first, *others):
-        assert row["failure"] is None
-        assert row["y.peak"] == first["y.peak"] > 0
-
-
-def test_processes_killed_from_outside_are_replaced(tmp_path: Path) -> None:
-    file, axes = breaking("well", tmp_path), [Axis("alien.at", tuple(range(1, 7)))]
-    killed = []
-
-    def kill(done: int) -> None:
-        if done == 2:
-            for child in multiprocessing.active_children():
-                child.kill()
-                killed.append(child.pid)
-
-    found = sweep(file, axes, progress=kill)
-    assert killed
-    assert [row["failure"] for row in found.rows] == [None] * 6
-    assert {row["y.peak"] for row in found.rows} == {found.rows[0]["y.peak"]}
-
-
-def test_ctrl_c_loses_nothing_and_resume_does_the_rest(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "orchestrator", "sweep", str(DRIVE)]
-    command += ["--vary", "plant.m_2=3.5e-4:4e-4:31"]
-    ours = {"PYTHONPATH": str(Path(__file__).parents[3])}
-    begun = subprocess.Popen(
-        command, cwd=tmp_path, env=os.environ | ours, stderr=subprocess.PIPE
-    )
-    members_file = "runs/*/*/members.jsonl"
-    while begun.poll() is None and not any(
-        file.stat().st_size for file in tmp_path.glob(members_file)
-    ):
-        sleep(0.005)
-    begun.send_signal(signal.SIGINT)
-    _, said = begun.communicate()
-    assert begun.returncode == 130, said
-    (first,) = tmp_path.glob(members_file)
-    lines = first.read_text().splitlines()
-    assert 0 < len(lines) < 31
-    again = subprocess.run(
-        [*command, "--resume", "--json"],
-        cwd=tmp_path,
-        env=os.environ | ours,
-        capture_output=True,
-        check=True,
-    )
-    told = json.loads(again.stdout)
-    assert told["members"] == 31
-    kept = (Path(tmp_path, told["result"]) / MEMBERS).read_text().splitlines()
-    assert kept[: len(lines)] == lines
-    whole = sweep(DRIVE, [parse_axis("plant.m_2=3.5e-4:4e-4:31", nominal)])
-    table = pq.read_table(tmp_path / told["figures"]).to_pylist()
-    assert [row["tracking.peak"] for row in table] == [
-        row["tracking.peak"] for row in whole.rows
-    ]
-
-
-def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
-    axes = [Axis("plant.m_2", (3e-4, 3.5e-4, 4e-4))]
-    whole = sweep(DRIVE, axes, sets=SHORT, folder=tmp_path)
-    lines = (tmp_path / MEMBERS).read_text().splitlines()
-    (tmp_path / MEMBERS).write_text(lines[0] + "\n" + lines[1][:20])
-    again = sweep(DRIVE, axes, sets=SHORT, folder=tmp_path)
-    assert again.rows == whole.rows
-    with pytest.raises(ScenarioError, match="another sweep"):
-        sweep(DRIVE, [Axis("plant.k", (200.0,))], sets=SHORT, folder=tmp_path)
 
 
 def test_the_border_is_that_of_a_fine_grid() -> None:

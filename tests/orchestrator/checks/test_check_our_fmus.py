@@ -1,4 +1,5 @@
-"""``check`` finds nothing in our FMUs: both versions, both kinds, both interfaces.
+"""``check`` finds nothing in our FMUs: both versions, both kinds, both interfaces,
+with a clock and without.
 
 All models with ``--every-form``, otherwise one of each sort.
 """
@@ -9,11 +10,13 @@ from zipfile import ZipFile
 import pytest
 from lxml import etree
 from modules import EXCHANGED, MODULES
+from subject import subject
 
 from fmus.build import build
 from orchestrator.checks import Report, check_fmu
 
 REPRESENTATIVES = ("plants.ball_screw.two_mass", "controllers.ball_screw.mc_ppc")
+CLOCKED = [m for m in MODULES if not subject(m).continuous]
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -21,6 +24,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     everything = metafunc.config.getoption("--every-form")
     if "module" in metafunc.fixturenames:
         metafunc.parametrize("module", MODULES if everything else REPRESENTATIVES)
+    if "clockless" in metafunc.fixturenames:
+        metafunc.parametrize(
+            "clockless", CLOCKED if everything else ["controllers.ball_screw.mc_ppc"]
+        )
     if "exchanged" in metafunc.fixturenames:
         metafunc.parametrize(
             "exchanged", EXCHANGED if everything else ["plants.ball_screw.two_mass"]
@@ -36,6 +43,12 @@ def assert_nothing_found(report: Report) -> None:
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_native_fmus_pass_every_item(module: str, fmi: int) -> None:
     report = check_fmu(build(module, fmi=fmi))  # type: ignore[arg-type]
+    assert_nothing_found(report)
+    assert report.counts["pass"] >= 30
+
+
+def test_fmi_3_without_a_clock_passes_every_item(clockless: str) -> None:
+    report = check_fmu(build(clockless, fmi=3, clock=False))
     assert_nothing_found(report)
     assert report.counts["pass"] >= 30
 

@@ -10,7 +10,7 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from foreign import compile_source, packed
+from hostile import hostile_fmu, left_running
 from systems import system
 
 from orchestrator.errors import SimulationError
@@ -25,38 +25,21 @@ from orchestrator.warned import collecting
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="the hostile FMU and its traces are of Linux"
 )
-SOURCE = Path(__file__).parents[1] / "broken" / "hostile.c"
-HOW = (
-    *("well", "writes", "closes", "cuts", "daemon", "constructor"),
-    *("crash in terminate", "crash in free", "hang in terminate", "beyond", "before"),
-)
 EXECUTORS: list[Choice] = ["kernel", "python"]
-DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="x">
-  <CoSimulation modelIdentifier="hostile"
-    canHandleVariableCommunicationStepSize="true"/>
-  <ModelVariables>
-    <ScalarVariable name="u" valueReference="0" causality="input"
-      variability="continuous"><Real start="0"/></ScalarVariable>
-    <ScalarVariable name="y" valueReference="1" causality="output"
-      variability="continuous"><Real/></ScalarVariable>
-  </ModelVariables>
-  <ModelStructure><Outputs><Unknown index="2" dependencies="1"/></Outputs>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 WITHIN = 2.0  # s, answer_within
 
 
-def hostile(folder: Path, how: str) -> Component:
-    library = compile_source(2, SOURCE, folder, (), {"HOW": HOW.index(how)})
-    fmu = packed(2, folder, library, DESCRIPTION)
-    isolation = Isolation(process=True, answer_within=WITHIN)
+def hostile(folder: Path, how: str, apart: bool = True) -> Component:
+    fmu = hostile_fmu(how, folder)
+    isolation = Isolation(process=apart, answer_within=WITHIN)
     return Component("bad", fmu, Fraction(1, 1000), isolation=isolation)
 
 
-def run(folder: Path, how: str, executor: Choice = "kernel") -> Result:
-    whole = system("1/100", [hostile(folder, how)], record={"bad.y": "1/1000"})
+def run(
+    folder: Path, how: str, executor: Choice = "kernel", apart: bool = True
+) -> Result:
+    bad = hostile(folder, how, apart)
+    whole = system("1/100", [bad], record={"bad.y": "1/1000"})
     return simulate(whole, folder / "run", executor=executor)
 
 
@@ -64,19 +47,8 @@ def run(folder: Path, how: str, executor: Choice = "kernel") -> Result:
 def nothing_is_left() -> Iterator[None]:
     begun = monotonic()
     yield
-    assert list(marked()) == []
+    assert left_running(f"{MARK}={os.getpid()}-") == []
     assert monotonic() - begun < 60  # no hang; loaded machines start slowly
-
-
-def marked() -> Iterator[int]:
-    """Give the processes that FMUs of this test run in, or started."""
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            words = (folder / "environ").read_bytes()
-        except OSError:
-            continue
-        if f"{MARK}={os.getpid()}-".encode() in words:
-            yield int(folder.name)
 
 
 def assert_whole(result: Result) -> None:
@@ -85,7 +57,7 @@ def assert_whole(result: Result) -> None:
 
 
 @pytest.mark.parametrize("executor", EXECUTORS)
-@pytest.mark.parametrize("how", ["writes", "closes"])
+@pytest.mark.parametrize("how", ["writes", "closes", "forges"])
 def test_what_spoils_its_descriptors_is_named_and_its_rows_are_right(
     tmp_path: Path, how: str, executor: Choice
 ) -> None:
@@ -102,7 +74,7 @@ def test_what_spoils_its_descriptors_is_named_and_its_rows_are_right(
 
 
 @pytest.mark.parametrize("executor", EXECUTORS)
-@pytest.mark.parametrize("how", ["well", "cuts", "daemon"])
+@pytest.mark.parametrize("how", ["well", "cuts", "daemon", "unmarked"])
 def test_shared_memory_cannot_be_cut_and_daemons_end_with_the_run(
     tmp_path: Path, how: str, executor: Choice
 ) -> None:
@@ -115,6 +87,61 @@ def test_a_constructor_without_end_is_named(tmp_path: Path) -> None:
     text = r"no answer within 5 s \(answer_within\) in load; its process is killed"
     with pytest.raises(SimulationError, match=text):
         run(tmp_path, "constructor")
+
+
+def test_what_it_prints_and_logs_steers_no_terminal(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    assert_whole(run(tmp_path, "logs"))
+    printed = capfd.readouterr().err
+    assert "\\x1b[2Jprinted\n" in printed
+    assert "\\x1b]0;evil\\x07\\x1b[2J" in caplog.text
+    assert "\x1b" not in printed + caplog.text
+
+
+def test_one_that_stops_itself_is_late(tmp_path: Path) -> None:
+    with pytest.raises(SimulationError, match=r"no answer within 2 s .* in doStep"):
+        run(tmp_path, "stops")
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("hang", r"no answer within 2 s \(answer_within\) in doStep; the process of"),
+        ("stops", r"no answer within 2 s \(answer_within\) in doStep; the process of"),
+        ("constructor", r"no answer within 2 s \(answer_within\) in load; the proc"),
+        ("exit 0", "the process of the run ended with exit code 0 during doStep"),
+        (
+            "exit 0 in constructor",
+            "the process of the run ended with exit code 0 during",
+        ),
+    ],
+)
+def test_let_into_the_run_it_ends_within_its_time_and_by_name(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with pytest.raises(SimulationError, match=rf"^bad \(hostile2.fmu\): {said}"):
+        run(tmp_path, how, apart=False)
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("crash in terminate", "ended with signal 11 (SIGSEGV)"),
+        ("crash in free", "ended with signal 11 (SIGSEGV)"),
+        ("hang in free", "did not end and is killed"),
+    ],
+)
+def test_let_into_the_run_its_end_is_warned_of_and_the_rows_are_fine(
+    tmp_path: Path, how: str, said: str
+) -> None:
+    with collecting() as warnings:
+        assert_whole(run(tmp_path, how, apart=False))
+    (warning,) = warnings
+    assert warning == (
+        f"bad: the process of the run {said} in terminate and free; the rows are "
+        f"complete"
+    )
 
 
 @pytest.mark.parametrize(

@@ -81,5 +81,5 @@ def test_an_fmu_damaged_in_the_cache_is_built_anew(
         fmu.write_bytes(damage)
         assert not is_trusted(fmu)
         assert build(str(PI)).read_bytes() == whole
-        assert "is damaged in the cache, so it is built anew" in caplog.text
+        assert "is damaged in the cache, so it is made anew" in caplog.text
         caplog.clear()

@@ -64,8 +64,9 @@ def all_faults() -> System:
     kinds = [("bias", 0.3), ("gain", 1.7), ("quantisation", 0.4)]
     laws = [Fault(kind, value, 0, start, end) for kind, value in kinds]  # type: ignore[arg-type]
     late = Fault("delay", 0.0, 2, Fraction(0), None)
-    stuck = Fault("stuck", 0.0, 0, Fraction(8, 1000), None)
-    return faulty(*laws, late, stuck)
+    stuck = Fault("stuck", 0.0, 0, Fraction(8, 1000), Fraction(9, 1000))
+    instead = Fault("override", -0.1, 0, Fraction(9, 1000), None)
+    return faulty(*laws, late, stuck, instead)
 
 
 def injected(where: str) -> System:
@@ -171,6 +172,15 @@ def words(folder: Path) -> System:
     )
 
 
+def faulty_words(folder: Path) -> System:
+    """The values given have more digits than a double."""
+    given, MS = words(folder), Fraction(1, 1000)
+    late = Fault("delay", 0.0, 1, Fraction(0), 3 * MS)
+    stuck = Fault("stuck", 0.0, 0, 4 * MS, 6 * MS)
+    instead = Fault("override", -7.0, 0, 8 * MS, None)
+    return replace(given, faults={"two.in_Int64": (late, stuck, instead)})
+
+
 FEATURES: dict[str, Callable[[Path], System]] = {
     "several rates": lambda _: system(
         "1/100",
@@ -192,6 +202,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "FMI 3 clock": lambda _: clocked(),
     "step not split (split = false)": lambda _: unsplit(),
     "64-bit integers": words,
+    "faults of 64-bit integers": faulty_words,
     "FMU of others": alien,
     "FMU in a process of its own": apart,
     "signals of a file": signals,

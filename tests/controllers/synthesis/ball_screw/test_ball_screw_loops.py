@@ -1,22 +1,17 @@
-"""The ball-screw loops against independent figures and closed formulas."""
+"""The ball-screw loops against independent figures and transfer functions."""
 
 import numpy as np
 import pytest
 from scipy import signal
 
-from controllers.ball_screw import rotary_command
-from controllers.references import trajectory
 from controllers.synthesis.ball_screw.loops import (
     continuous_loop,
     figures,
     plant_figures,
     sampled_loop,
-    tracking,
 )
 from controllers.synthesis.frequency import GRID_HZ, battery, poles, respond
-from controllers.synthesis.linearise import linearise
 from controllers.synthesis.matched import factored, matched
-from controllers.synthesis.prefilter import identify
 
 T_S = 5e-5
 M_1, M_2, B_1, B_2, K, C = 1.858e-3, 0.379e-3, 1.020e-3, 0.0, 210.02, 0.014
@@ -225,43 +220,6 @@ def test_the_slow_sampled_poles_map_back_to_known_ones_in_s():
         assert np.min(np.abs(s - printed)) < 0.6
 
 
-@pytest.mark.parametrize(
-    ("f_hz", "options", "magnitude", "phase"),
-    [
-        (80, {}, 1.057, -0.85),
-        (120, {}, 1.039, -3.8),
-        (80, {"inversion.on": False}, 1.387, -44.0),
-        (120, {"inversion.on": False}, 0.594, -38.0),
-        (20, {}, 1.0023, None),
-    ],
-)
-def test_feed_forward_flattens_the_tracking_response(f_hz, options, magnitude, phase):
-    found = tracking("mc_ppc", f_hz, **options)
-    assert found["magnitude"] == pytest.approx(magnitude, abs=6e-4)
-    if phase is not None:
-        assert found["phase"] == pytest.approx(phase, abs=0.6)
-
-
-def test_the_cascade_with_feed_forward_peaks_below_its_second_crossover():
-    found = tracking("p_pi", 80)
-    assert found["magnitude"] == pytest.approx(2.55, abs=5e-3)
-
-
-def test_the_prefilter_flattens_the_tracking_response_at_low_frequency():
-    gains = {"K_vel": -5e-9, "K_acc": 2.537e-7, "K_jerk": 8e-11, "K_snap": 4.6e-12}
-    for f_hz, magnitude in ((20, 0.9998), (80, 1.037), (120, 1.087)):
-        found = tracking("mc_ppc", f_hz, **gains)
-        assert found["magnitude"] == pytest.approx(magnitude, abs=1e-3)
-
-
-def low_frequency(error, controller, order):
-    """Extrapolate an error coefficient, error / ω^order, to zero frequency."""
-    f_hz = np.array([0.5, 1.0])
-    values = [tracking(controller, f)[error] for f in f_hz]
-    near, far = values / (2 * np.pi * f_hz) ** order
-    return (4 * near - far) / 3
-
-
 def test_the_current_loop_is_a_lag_of_450_hz():
     ideal = respond(continuous_loop("mc_ppc", False, {}), F_HZ)
     lagging = respond(continuous_loop("mc_ppc", True, {}), F_HZ)
@@ -274,65 +232,6 @@ def test_parts_that_are_switched_off_are_no_part_of_the_loop():
     ]
     # four masses' states, five filter states, one integrator; then the lag
     assert count == [10, 11]
-
-
-def test_acceleration_error_of_mc_ppc_is_the_delay_of_the_rotary_command():
-    G_r = linearise(rotary_command.model, inputs=["x_r"])
-    step = 1e-4
-    phase = np.angle(G_r(np.exp([1j * step, 2j * step])))
-    tau_r = -(8 * phase[0] - phase[1]) / (6 * step) * T_S
-    assert tau_r == pytest.approx(28.0887e-6, rel=2e-6)
-    K_acc = -low_frequency("error_real", "mc_ppc", 2)
-    assert K_acc == pytest.approx(K_X1 * tau_r / K_I2, rel=1e-4)
-    assert K_acc == pytest.approx(2.53498e-7, rel=1e-5)
-    assert abs(low_frequency("error_imag", "mc_ppc", 1)) < 1e-10
-
-
-def test_jerk_error_of_the_cascade_is_the_wind_up_of_the_screw():
-    K_jerk = -low_frequency("error_imag", "p_pi", 3)
-    assert K_jerk == pytest.approx(M_2 / K / SET_A["K_px"], rel=2e-3)
-    assert K_jerk == pytest.approx(9.553e-9, rel=2e-3)
-
-
-def move_of_500_mm_per_s():
-    """Return the command (rad) over 20 ms rest, the move and 150 ms rest."""
-    p = trajectory.Parameters()
-    derived = trajectory.prepare(p, T_S)
-    x = trajectory.State()
-    x_r = np.empty(round((float(trajectory.move_time(p)) + 0.17) / T_S) + 1)
-    for k in range(len(x_r)):
-        x, y = trajectory.step(x, trajectory.Input(), p, T_S, derived)
-        x_r[k] = y.x_r
-    return x_r
-
-
-def tracking_error(x_r, **parameters):
-    """Run plant, one sample of latency and law over a command; shape (n,) (rad)."""
-    loop = sampled_loop("mc_ppc", False, parameters, 1)
-    plant, law = loop.plant, loop.controller
-    x, q, u = np.zeros(plant.nstates), np.zeros(law.nstates), 0.0
-    e_2 = np.empty(len(x_r))
-    for k, command in enumerate(x_r):
-        y = plant.C @ x
-        read = np.array([*y, command, 0, 0, 0, 0])
-        u_next = (law.C @ q + law.D @ read)[0]
-        q = law.A @ q + law.B @ read
-        x = plant.A @ x + plant.B[:, 0] * u
-        e_2[k], u = command - y[1], u_next
-    return e_2
-
-
-def test_the_identified_prefilter_is_the_closed_form_and_cancels_the_error():
-    um = 1e6 * 0.020 / (2 * np.pi)
-    x_r = move_of_500_mm_per_s()
-    plain = tracking_error(x_r)
-    assert np.max(np.abs(plain)) * um == pytest.approx(2.490, abs=0.005)
-    assert np.sqrt(np.mean(plain**2)) * um == pytest.approx(0.818, abs=0.003)
-    gains = identify(x_r, x_r - plain, T_S)
-    assert gains["K_acc"] == pytest.approx(2.53498e-7, rel=1e-3)
-    assert gains["K_acc"] == pytest.approx(2.537e-7, rel=5e-4)
-    filtered = tracking_error(x_r, **gains)
-    assert np.max(np.abs(filtered)) * um == pytest.approx(0.063, abs=0.01)
 
 
 def test_a_heavier_table_moves_the_loop_unless_the_law_knows():

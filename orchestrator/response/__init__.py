@@ -1,0 +1,1 @@
+"""Frequency responses of a composition, measured by what the master injects."""

@@ -1,0 +1,197 @@
+"""One break excited: phasors of what all breaks read, until they are sure.
+
+Periods are run until two agree, or differ by noise alone; with noise or distortion
+the same lines are excited again with other phases, twice as often each time, until
+the mean is sure to ``SURE`` of |S|.  Their spread is the coherence.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.errors import ResponseError
+from orchestrator.response.bench import Bench
+from orchestrator.response.excitation import Form, Grid, Lines, folds, signal, spectra
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+AGREED = 1e-7  # of the rms of a period, from one to the next
+MOST = 64  # periods of one run
+LINEAR = 1e-6  # distortion below which one realisation is all
+SURE = 0.004  # standard error of S, of its size: 0.035 dB
+REALISATIONS = 16
+MIN, EVEN = 4, 1.3  # ratio of differences from period to period that are noise alone
+HUGE = 1e50  # no signal of a stable loop
+
+
+@dataclass(frozen=True)
+class Column:
+    """Q (lines, breaks) = -U_before/D for one excited break, and how sure it is.
+
+    ``distortion`` is what appears where nothing is excited, ``alias`` what at the
+    lines onto which slower samples fold, both as shares of the rms at the excited
+    ones; ``settled`` periods passed before, ``error`` (lines,) is that of |S|.
+    """
+
+    Q: Complex
+    coherence: Real
+    error: Real
+    distortion: float
+    alias: float
+    settled: int
+    realisations: int
+
+
+def column(
+    bench: Bench,
+    excited: int,
+    lines: Grid,
+    shape: Real,
+    rms: float,
+    form: Form,
+    most: int = REALISATIONS,
+) -> Column:
+    """Measure with lines of ``shape`` (lines,) and this ``rms`` at one break.
+
+    Raises:
+        ResponseError: the loop does not settle.
+    """
+    if form == "stepped":
+        return _stepped(bench, excited, lines, shape, rms)
+    generator = np.random.default_rng(1 + excited)
+    found: list[_Pass] = []
+    wanted = 1
+    while len(found) < wanted:
+        d = rms * signal(lines.excited, shape, lines.n, form, generator)
+        found.append(_pass(bench, excited, lines, d))
+        if len(found) == wanted:
+            whole = _whole(found, excited)
+            sure = whole.distortion < LINEAR or np.all(whole.error < SURE)
+            if not sure and form == "multisine" and wanted < most:
+                wanted *= 2
+    return whole
+
+
+@dataclass(frozen=True)
+class _Pass:
+    """Phasors of one realisation (lines, breaks) and of its injection (lines,)."""
+
+    D: Complex
+    B: Complex
+    distortion: float
+    alias: float
+    settled: int
+
+
+def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
+    given: list[Real | None] = [None] * len(bench.breaks)
+    given[excited] = d
+    periods, settled = bench.periods, -1
+    while settled < 0:
+        values = bench.responses(given, periods)
+        of_periods = values.reshape(len(bench.breaks), periods, lines.n)
+        settled = _settled(of_periods, last=periods >= MOST)
+        bench.periods = periods
+        if settled < 0 and periods >= MOST:
+            raise ResponseError(
+                f"break {bench.breaks[excited].name}: after {periods} periods of "
+                f"{float(lines.n * bench.rates.T):g} s its loop has not settled; it is "
+                f"unstable, or slower than that: give a lower --from"
+            )
+        periods *= 2
+    rest = values[:, settled * lines.n :]
+    slow = bench.rates.slow
+    aliased = folds(lines.excited, lines.n, slow) if slow > 1 else lines.excited[:0]
+    quiet = np.setdiff1d(lines.detecting, aliased)
+    B = np.array([spectra(v, lines.n, lines.excited).mean(axis=0) for v in rest]).T
+    return _Pass(
+        spectra(d, lines.n, lines.excited)[0],
+        B,
+        _share(rest[excited], lines.n, quiet, lines.excited),
+        _share(rest[excited], lines.n, aliased, lines.excited),
+        settled,
+    )
+
+
+def _share(values: Real, n: int, of: Lines, among: Lines) -> float:
+    """Return the rms at some lines as a share of that at others."""
+    size = [
+        np.sum(np.abs(spectra(values, n, which).mean(axis=0)) ** 2)
+        for which in (of, among)
+    ]
+    return float(np.sqrt(size[0] / size[1])) if size[1] else 0.0
+
+
+def _settled(values: Real, *, last: bool) -> int:
+    """Return how many of the periods (breaks, periods, n) are transient, else -1.
+
+    Settled are periods that agree, or differ by what does not grow any more; the
+    ``last`` try takes these whatever their differences do, if they are small.
+    """
+    if not np.max(np.abs(values[:, -1])) < HUGE:
+        return -1
+    size = np.sqrt(np.mean(values[:, -1] ** 2))
+    if size == 0:
+        return 0
+    apart = np.sqrt(np.mean(np.diff(values, axis=1) ** 2, axis=(0, 2)))
+    late = np.flatnonzero(apart > max(AGREED * size, 2 * apart[-1]))
+    first = int(late[-1]) + 2 if len(late) else 1
+    if apart[-1] <= AGREED * size:
+        return first
+    tail = apart[len(apart) // 2 :]
+    even = len(apart) >= MIN and np.max(tail) <= EVEN * np.min(tail)
+    noise = apart[-1] < size / 2 and first <= len(apart) // 2
+    return first if noise and (even or last) else -1
+
+
+def _whole(found: list[_Pass], excited: int) -> Column:
+    D = np.array([p.D for p in found])[:, :, None]
+    B = np.array([p.B for p in found])
+    power = np.sum(np.abs(D) ** 2, axis=0)
+    cross = np.sum(B * D.conj(), axis=0)
+    Q = -cross / power
+    scale = power * np.sum(np.abs(B) ** 2, axis=0)
+    coherence = np.divide(
+        np.abs(cross) ** 2, scale, out=np.ones(Q.shape), where=scale > 0
+    )
+    S = 1 - Q[:, excited]
+    error = np.full(len(S), np.inf)
+    if len(found) > 1:
+        spread = np.abs(-B[:, :, excited] / D[:, :, 0] - Q[:, excited]) ** 2
+        error = np.sqrt(np.sum(spread, axis=0) / (len(found) * (len(found) - 1)))
+        error = error / np.maximum(np.abs(S), 0.1)
+    return Column(
+        Q,
+        coherence[:, excited],
+        error,
+        float(np.mean([p.distortion for p in found])),
+        float(np.mean([p.alias for p in found])),
+        max(p.settled for p in found),
+        len(found),
+    )
+
+
+def _stepped(
+    bench: Bench, excited: int, lines: Grid, shape: Real, rms: float
+) -> Column:
+    """Measure one sine at a time; all that is no multiple of it is distortion."""
+    size = rms * np.sqrt(2) * shape / np.max(shape)
+    everywhere = np.arange(1, lines.n // 2)
+    passes = []
+    for line, amplitude in zip(lines.excited, size, strict=True):
+        one = np.array([line])
+        d = amplitude * np.cos(2 * np.pi * line * np.arange(lines.n) / lines.n)
+        alone = Grid(lines.n, one, np.setdiff1d(everywhere, one))
+        passes.append(_pass(bench, excited, alone, d))
+    columns = [_whole([p], excited) for p in passes]
+    return Column(
+        np.concatenate([c.Q for c in columns]),
+        np.concatenate([c.coherence for c in columns]),
+        np.concatenate([c.error for c in columns]),
+        max(c.distortion for c in columns),
+        max(c.alias for c in columns),
+        max(c.settled for c in columns),
+        1,
+    )

@@ -1,0 +1,118 @@
+"""Loops with dead time, several signals, several rates, friction, a foreign FMU."""
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from zipfile import ZipFile
+
+import control as ct
+import numpy as np
+import pytest
+from measured_loops import composed, decibels, degrees
+from numpy.typing import NDArray
+
+from controllers.synthesis.frequency import evaluate
+from controllers.synthesis.gantry.loops import sampled_loop
+from controllers.synthesis.linearise import linearise
+from controllers.synthesis.multivariable import respond
+from controllers.xy_table import p_pi
+from orchestrator.response.bench import bench
+from orchestrator.response.excitation import spectra
+from orchestrator.response.figures import to_frd, words
+from orchestrator.response.measure import measure
+from plants.xy_table import axis
+
+Complex = NDArray[np.complex128]
+TABLE = "cascade_nppi/p_pi_0_4hz"
+
+
+def held(plant: ct.StateSpace, tau: float, T_s: float, z: Complex) -> Complex:
+    """Return y/u of a plant whose held input arrives ``tau`` late, at points z."""
+    n, whole = plant.nstates, int(tau // T_s)
+    late = tau - whole * T_s  # the older value acts for this part of a sample
+
+    def passed(h: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        found = plant.sample(h, "zoh")
+        return found.A, found.B
+
+    A, _ = passed(T_s)
+    rest, new = passed(T_s - late)
+    old = rest @ passed(late)[1] if late > 1e-12 else 0 * new
+    return np.array(
+        [
+            (plant.C @ np.linalg.solve(p * np.eye(n) - A, new + old / p))[0, 0]
+            * p**-whole
+            for p in z
+        ]
+    )
+
+
+def test_the_xy_tables_loop_is_the_exact_one_with_its_dead_time() -> None:
+    T_s = 1 / 2000
+    found = measure(composed(TABLE), ["controller.u"])
+    low = found.hz <= 500
+    z = np.exp(2j * np.pi * found.hz[low] * T_s)
+    plant = linearise(axis.model, inputs=["u"], outputs=["y"])
+    law = linearise(p_pi.model, inputs=["y"], outputs=["u"], T_s=T_s)
+    tau = axis.model.parameters.tau
+    L = -evaluate(law, z)[:, 0, 0] * held(plant, tau, T_s, z)
+    S = found.S[low, 0, 0]
+    assert decibels(S, 1 / (1 + L)) < 0.01
+    assert degrees(S, 1 / (1 + L)) < 0.1
+    assert "in motion" in next(words(found))
+
+
+def test_the_gantrys_sensitivity_is_the_exact_matrix() -> None:
+    breaks = ["y_controller.u_1", "y_controller.u_2"]
+    found = measure(composed("gantry/mimo_line_200"), breaks)
+    low = found.hz <= 3750
+    exact = respond(sampled_loop("mimo", 0.0, {}), found.hz[low])
+    S = np.linalg.inv(np.eye(2) + exact.K @ exact.G)
+    large = np.linalg.norm(S, ord=2, axis=(1, 2))
+    assert np.max(np.linalg.norm(found.S[low] - S, ord=2, axis=(1, 2)) / large) < 1e-3
+    assert found.s_max[0] == pytest.approx(np.max(large), rel=0.01)
+    L = to_frd(found)
+    assert L.ninputs == L.noutputs == 2
+
+
+def test_a_break_faster_than_its_loop_gives_the_fundamental_per_line() -> None:
+    """Brute force: one sine at a time over the same cascade."""
+    fast = measure(composed(TABLE), ["plant.y"], lowest=Fraction(4))
+    assert fast.slower == "controller.u"
+    assert fast.alias > 1e-3
+    with bench(composed(TABLE), ["plant.y"]) as at:
+        n = int(fast.period / at.rates.T)
+        for i in (4, len(fast.hz) // 2, len(fast.hz) - 2):
+            line = round(fast.hz[i] * float(fast.period))
+            d = 0.1 * np.cos(2 * np.pi * line * np.arange(n) / n)
+            last = at.responses([d], 9)[0, -n:]
+            S = 1 + spectra(last, n, [line])[0, 0] / 0.1
+            assert decibels(S, fast.S[i, 0, 0]) < 1e-3
+
+
+def test_friction_is_told_by_distortion_and_by_half_the_amplitude() -> None:
+    rubbing = composed(
+        "ball_screw_pole_placement/mc_ppc_friction_reversal", "rates.control=10 kHz"
+    )
+    found = measure(rubbing, ["controller.u"], lowest=Fraction(32), amplitude=0.3)
+    assert found.distortion > 0.01
+    assert found.half > 0.01
+    assert any(line.startswith("not linear") for line in words(found))
+
+
+def test_a_foreign_fmus_loop_is_measured_as_its_own_models_is(tmp_path: Path) -> None:
+    """The same plant in an FMU that was not built here runs in a process apart."""
+    here = composed(TABLE)
+    plant = here.system.components["plant"]
+    copy = tmp_path / "theirs.fmu"
+    copy.write_bytes(plant.fmu.read_bytes())
+    with ZipFile(copy, "a") as archive:
+        archive.comment = b"theirs"
+    foreign = replace(plant, fmu=copy)
+    parts = {**here.system.components, "plant": foreign}
+    there = replace(here, system=replace(here.system, components=parts))
+    both = [
+        measure(c, ["controller.u"], lowest=Fraction(8), quick=True)
+        for c in (here, there)
+    ]
+    assert np.array_equal(both[0].S, both[1].S)
