@@ -63,7 +63,7 @@ def test_the_command_jumps_where_a_state_is_kept_and_nowhere_else(
     blend has neither (Hanifzadegan 2014, fig. 7.5)."""
     swing, jump = {}, {}
     for scenario in ("hysteresis_kept", "hysteresis", "smooth"):
-        got = simulated(tmp_path / scenario, scenario, "stop=1.0")
+        got = simulated(tmp_path / scenario, scenario)
         v_m = got["control_x.v_m"]
         near = (v_m.time > 0.89) & (v_m.time < 0.95)
         jump[scenario] = np.max(np.abs(np.diff(v_m.values[near])))
