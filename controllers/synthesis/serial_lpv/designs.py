@@ -27,7 +27,7 @@ NAMES = ["x_c"]
 TRANSITION = np.linspace(smooth.LOW, smooth.HIGH, 17)  # K is affine outside
 AXIS = (0.2, 0.29, *(float(x) for x in TRANSITION), 0.51, 0.6)
 SCALE = {"": single.UNDISTURBED, "_disturbed": 1.0}  # of the disturbance
-STEPS = {"": 4, "_disturbed": 1}  # of the descent's step 1; there step 2 stops the solver
+STEPS = {"": 4, "_disturbed": 1}  # of the descent's step 1; step 2 stops the latter
 DISTURBANCE = {"k_undisturbed": single.UNDISTURBED, "k_disturbed": 1.0}
 SINGLE = {"": "k_undisturbed", "_disturbed": "k_disturbed"}
 

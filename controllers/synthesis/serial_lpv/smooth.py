@@ -9,7 +9,8 @@ import numpy as np
 
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.problem import polynomial
-from controllers.synthesis.lpv.smooth import Sided, Smooth, Switching, begin
+from controllers.synthesis.lpv.smooth import Smooth, begin
+from controllers.synthesis.lpv.switching import Sided, Switching
 from controllers.synthesis.serial_lpv import single
 
 LOW, HIGH = single.LOW, single.HIGH
