@@ -19,7 +19,7 @@ import controllers.serial
 from controllers.synthesis.lpv import shipped, smooth_file
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point, grid
-from controllers.synthesis.lpv.smooth import Smooth, descend
+from controllers.synthesis.lpv.smooth import Smooth, descend, find_P, find_slow_K
 from controllers.synthesis.serial_lpv import single, smooth
 
 FOLDER = Path(controllers.serial.__file__).parent
@@ -28,6 +28,7 @@ TRANSITION = np.linspace(smooth.LOW, smooth.HIGH, 17)  # K is affine outside
 AXIS = (0.2, 0.29, *(float(x) for x in TRANSITION), 0.51, 0.6)
 SCALE = {"": single.UNDISTURBED, "_disturbed": 1.0}  # of the disturbance
 STEPS = {"": 4, "_disturbed": 1}  # of the descent's step 1; step 2 stops the latter
+RELAXED = 1.01  # of γ, for the least rate of K
 DISTURBANCE = {"k_undisturbed": single.UNDISTURBED, "k_disturbed": 1.0}
 SINGLE = {"": "k_undisturbed", "_disturbed": "k_disturbed"}
 
@@ -78,6 +79,8 @@ def _hysteresis(case: str) -> list[str]:
 
 def _made_smooth(case: str) -> dict[str, str]:
     found = descend(smooth_start(case), STEPS[case])
+    if not case:  # the option (6.46), and step 1 once more
+        found = find_P(find_slow_K(found, RELAXED))
     text = smooth_file.text(found, NAMES, (AXIS,), single.T_S, smooth.dense())
     return {f"k_smooth{case}.json": text}
 
