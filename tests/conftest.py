@@ -8,6 +8,7 @@ import fmpy
 import hypothesis
 import pytest
 from callbacks import collecting
+from effort import EFFORT
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
@@ -37,6 +38,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="N",
         help="with --hostile: examples for every reader that is fuzzed",
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    EFFORT.every = config.getoption("--every-form")
 
 
 @pytest.fixture(scope="session", autouse=True)
