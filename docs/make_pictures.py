@@ -74,6 +74,32 @@ def held() -> None:
     figure.savefig(HERE / "pictures" / "sweep.png", dpi=110)
 
 
+def switching() -> None:
+    """Error and command of the serial machine's x axis where a controller changes."""
+    labels = {
+        "hysteresis_kept": "hysteresis, state kept",
+        "hysteresis": "hysteresis, state reset",
+        "smooth": "smooth",
+        "lpv": "no switching",
+    }
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(8, 5), sharex=True, layout="constrained"
+    )
+    for scenario, label in labels.items():
+        done = run(f"serial_lpv/{scenario}", report=False)
+        e, v_m = done["control_x.e"], done["control_x.v_m"]
+        near = (e.time > 0.85) & (e.time < 1.0)
+        above.plot(e.time[near], 1e6 * e.values[near], label=label, lw=1)
+        below.plot(v_m.time[near], v_m.values[near], lw=1)
+    above.set_ylabel("error in µm")
+    above.legend(frameon=False)
+    below.set(xlabel="time in s", ylabel="command in V")
+    for axes in (above, below):
+        axes.grid(alpha=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(HERE / "pictures" / "switching.png", dpi=110)
+
+
 def rose() -> None:
     """Rose under the cascade and under K(θ): the contour error, magnified."""
     runs = [
@@ -101,4 +127,5 @@ def rose() -> None:
 if __name__ == "__main__":
     demo()
     held()
+    switching()
     rose()
