@@ -24,6 +24,7 @@ from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.rates import RateContext
 from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
+from orchestrator.scenario.inherit import inherit
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
 from orchestrator.scenario.takeover import TABLES
@@ -31,16 +32,6 @@ from orchestrator.toml import read_toml_text, toml
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
-REMOVABLE = (
-    "components",
-    "connections",
-    "faults",
-    "design",
-    "record",
-    "metrics",
-    "responses",
-    "expect",
-)
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 HEIRS = 50  # files in a row, each the base of the next
 _NOT_SCENARIOS = ("reference.toml",)
@@ -221,7 +212,7 @@ def read_scenario(file: Path) -> dict[str, Any]:
     _gather(file.resolve(), (), layers)
     merged: dict[str, Any] = {}
     for layer in layers.values():
-        merged = _inherit(merged, layer)
+        merged = inherit(merged, layer)
     return merged
 
 
@@ -248,63 +239,6 @@ def _gather(
         if parent not in layers:
             _gather(parent, (*heirs, file), layers)
     layers[file] = raw
-
-
-def _inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
-    merged = _merge(base, layer)
-    _last_values(merged, layer)
-    for table in REMOVABLE:
-        entries = merged.get(table)
-        if not isinstance(entries, dict):
-            continue
-        gone = [key for key, value in entries.items() if value is False]
-        merged[table] = {k: v for k, v in entries.items() if v is not False}
-        if table == "components":
-            _detach(merged, gone, layer)
-    return merged
-
-
-def _last_values(merged: dict[str, Any], layer: Mapping[str, Any]) -> None:
-    """Keep of parameters and start, which are one table, what the layer says last."""
-    components = layer.get("components", {})
-    for name, own in components.items() if isinstance(components, dict) else ():
-        for table, other in (TABLES, TABLES[::-1]):
-            new = own.get(table) if isinstance(own, dict) else None
-            old = isinstance(own, dict) and merged["components"][name].get(other)
-            if isinstance(new, dict) and isinstance(old, dict):
-                kept = {*own.get(other, {})} | {*old} - {*new}
-                rest = {key: value for key, value in old.items() if key in kept}
-                merged["components"][name][other] = rest
-
-
-def _detach(
-    merged: dict[str, Any], gone: Sequence[str], layer: Mapping[str, Any]
-) -> None:
-    """Drop the inherited connections and records of components that were removed."""
-    for table in ("connections", "faults", "record"):
-        own = layer.get(table, {})
-        entries = merged.get(table, {})
-        if not isinstance(entries, dict):
-            continue  # refused when the scenario is validated
-        merged[table] = {
-            key: value
-            for key, value in entries.items()
-            if key in own
-            or not any(
-                str(end).startswith(f"{component}.")
-                for component in gone
-                for end in (key, value)
-            )
-        }
-
-
-def _merge(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
-    merged = dict(base)
-    for key, value in layer.items():
-        old = merged.get(key)
-        both = isinstance(old, dict) and isinstance(value, dict)
-        merged[key] = _merge(old, value) if both else value  # type: ignore[arg-type]
-    return merged
 
 
 def _copy(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,7 +6,6 @@ we have written the annotation gives times, names and what SSP has no words for;
 compared with the description, which anybody may have edited since.
 """
 
-import re
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path as File
@@ -14,6 +13,7 @@ from typing import Any
 
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.exchange.ssp.flat import Edge, Flat, Node, Path, flatten
+from orchestrator.exchange.ssp.names import names_of
 from orchestrator.exchange.ssp.passage import passed
 from orchestrator.exchange.ssp.records import Structure
 from orchestrator.exchange.ssp.setting import Setting, Settings
@@ -21,7 +21,6 @@ from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.ports import Affine, connection, ports
 from orchestrator.fmu.start_values import declared
 from orchestrator.quantities.quantity import exact
-from orchestrator.scenario.schema import RESERVED
 from orchestrator.system import Component, Mapped, Value
 
 _KEPT = ("answer_within", "memory_limit", "experiment")  # of what SSP has no words for
@@ -45,7 +44,7 @@ class Tables:
         for path, part in self.flat.parts.items():
             if part.fmu is not None:
                 self._read(path, part.fmu, part.implementation)
-        self.names = _names(list(self.flat.parts))
+        self.names = names_of(list(self.flat.parts))
         self.settings = Settings(self.flat, self.fmus, self.faults, self.notes)
         self.settings.collect()
         self.settings.through(self._value)
@@ -341,22 +340,3 @@ def _regrouped(
     for name in dict.fromkeys(names):
         del settings[name]
     return tuple(values) if len(values) > 1 else values[0]
-
-
-def _names(paths: list[Path]) -> dict[Path, str]:
-    """Return a name of ours for every component: its own where that is one."""
-    found: dict[Path, str] = {}
-    last = [path[-1] for path in paths]
-    for path in paths:
-        written = path[-1] if last.count(path[-1]) == 1 else "_".join(path)
-        name = re.sub(r"\W", "_", written)
-        if not re.match(r"[A-Za-z_]", name):
-            name = f"_{name}"
-        if name in RESERVED:
-            name += "_"
-        taken, number = set(found.values()), 2
-        plain = name
-        while name in taken:
-            name, number = f"{plain}_{number}", number + 1
-        found[path] = name
-    return found

@@ -1,0 +1,75 @@
+"""How a layer lies over its base: table by table; ``false`` removes an entry."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from orchestrator.scenario.takeover import TABLES
+
+REMOVABLE = (
+    "components",
+    "connections",
+    "faults",
+    "design",
+    "record",
+    "metrics",
+    "responses",
+    "expect",
+)
+
+
+def inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a base with those of its heir over them, each anew."""
+    merged = _merge(base, layer)
+    _last_values(merged, layer)
+    for table in REMOVABLE:
+        entries = merged.get(table)
+        if not isinstance(entries, dict):
+            continue
+        gone = [key for key, value in entries.items() if value is False]
+        merged[table] = {k: v for k, v in entries.items() if v is not False}
+        if table == "components":
+            _detach(merged, gone, layer)
+    return merged
+
+
+def _last_values(merged: dict[str, Any], layer: Mapping[str, Any]) -> None:
+    """Keep of parameters and start, which are one table, what the layer says last."""
+    components = layer.get("components", {})
+    for name, own in components.items() if isinstance(components, dict) else ():
+        for table, other in (TABLES, TABLES[::-1]):
+            new = own.get(table) if isinstance(own, dict) else None
+            old = isinstance(own, dict) and merged["components"][name].get(other)
+            if isinstance(new, dict) and isinstance(old, dict):
+                kept = {*own.get(other, {})} | {*old} - {*new}
+                rest = {key: value for key, value in old.items() if key in kept}
+                merged["components"][name][other] = rest
+
+
+def _detach(
+    merged: dict[str, Any], gone: Sequence[str], layer: Mapping[str, Any]
+) -> None:
+    """Drop the inherited connections and records of components that were removed."""
+    for table in ("connections", "faults", "record"):
+        own = layer.get(table, {})
+        entries = merged.get(table, {})
+        if not isinstance(entries, dict):
+            continue  # refused when the scenario is validated
+        merged[table] = {
+            key: value
+            for key, value in entries.items()
+            if key in own
+            or not any(
+                str(end).startswith(f"{component}.")
+                for component in gone
+                for end in (key, value)
+            )
+        }
+
+
+def _merge(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in layer.items():
+        old = merged.get(key)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        merged[key] = _merge(old, value) if both else value  # type: ignore[arg-type]
+    return merged
