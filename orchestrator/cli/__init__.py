@@ -26,6 +26,7 @@ from orchestrator.cli import (
     second_opinion,
     study,
     sweep,
+    verify,
 )
 
 app = typer.Typer(
@@ -63,6 +64,7 @@ for verb in (
     build.build,
     fmus.info,
     check.check,
+    verify.verify,
     run.schedule,
     run.run,
     runs.runs,
