@@ -1,8 +1,9 @@
 """Quick looks at candidates: their figures, and margins by one fixed injection.
 
 What is injected is that of a full measurement of the scenario as it stands: its
-lines, amplitude and shape, with periods a quarter as long.  A candidate is run with
-it and without, in lanes where all FMUs are ours: two periods to settle, one measured.
+lines, amplitude and shape, with periods down to a quarter as long.  A candidate is
+run with it and without, in lanes where all FMUs are ours: two periods to settle, one
+measured.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,7 +31,8 @@ from orchestrator.system import System, Value
 Real = NDArray[np.float64]
 Values = Mapping[str, Mapping[str, Value]]
 
-SHORTER = 4  # times a period is shorter than that of the full measurement
+SHORTER = 4  # times a period is shorter than that of the full measurement at most
+SPACED = 30.0  # periods of where |S| is largest in one: lines at a fifteenth of it
 SETTLING = 2  # periods
 UNSETTLED = 0.02  # of a period's rms, from the one before: not stable
 
@@ -57,7 +59,9 @@ class Shots:
         bench = Bench(composition, full.breaks, self._loaded)
         rates = bench.rates
         whole = int(rates.whole / rates.T)
-        self._n = max(1, round(int(full.period / rates.T) / SHORTER / whole)) * whole
+        periods = max(float(full.period) / SHORTER, SPACED / full.s_max[1])
+        fewest = min(periods, float(full.period)) / float(rates.T)
+        self._n = max(1, round(fewest / whole)) * whole
         self._T, self._name = rates.T, bench.breaks[0].name
         chosen = grid(self._n, rates.slow, np.random.default_rng(7), None)
         dense = self._dense(full)

@@ -32,7 +32,7 @@ POPULATION = 8  # candidates per free value, at least 24 in all
 GENERATIONS = 40
 ALIKE = 1e-3  # spread of a population's objectives at which it has converged
 POLISH = 60  # evaluations
-ROUNDS = 3  # of tightening a bound that a full measurement finds missed
+ROUNDS = 4  # of tightening a bound that a full measurement finds missed
 
 
 @dataclass(frozen=True)
@@ -114,10 +114,11 @@ def tune(
         for _ in range(ROUNDS):
             x = _polished(judge, free, x)
             after = _measured(judge, recompose, free, x)
-            tighter = [_tightened(c, after) for c in judge.constraints]
-            if tighter == list(judge.constraints):
+            pairs = zip(constraints, judge.constraints, strict=True)
+            tighter = tuple(_tightened(*pair, after) for pair in pairs)
+            if tighter == judge.constraints:
                 break
-            judge.constraints = tuple(tighter)
+            judge.constraints = tighter
         found = judge.judge(x[None])[0]
         if found.missed > 0 or not np.isfinite(found.objective):
             raise TuneError(
@@ -181,7 +182,9 @@ class Space:
 
     def places(self, x: Real) -> Real:
         """Return the places of values x (n,)."""
-        low, high, at = np.where(self._ratio, (self._low, self._high, x), (1, 2, 1))
+        low, high, at = np.where(
+            self._ratio, (self._low, self._high, x), [[1], [2], [1]]
+        )
         even = (x - self._low) / (self._high - self._low)
         return np.asarray(
             np.where(self._ratio, np.log(at / low) / np.log(high / low), even)
@@ -264,15 +267,18 @@ def _measured(
     return {name: specified(there, responses[name]) for name in judge.full}
 
 
-def _tightened(c: Constraint, after: Mapping[str, Response]) -> Constraint:
-    owner = c.figure.rpartition(".")[0]
+def _tightened(
+    wanted: Constraint, now: Constraint, after: Mapping[str, Response]
+) -> Constraint:
+    """Return the bound as it is ``now``, or further by what ``wanted`` is missed by."""
+    owner = wanted.figure.rpartition(".")[0]
     if owner not in after:
-        return c
-    value = response_figures(owner, after[owner])[c.figure].value
-    short = c.sign * (c.bound - value)
+        return now
+    value = response_figures(owner, after[owner])[wanted.figure].value
+    short = wanted.sign * (wanted.bound - value)
     if short <= 0:
-        return c
-    return Constraint(c.figure, c.sign, c.bound + 1.2 * c.sign * short)
+        return now
+    return Constraint(now.figure, now.sign, now.bound + 1.2 * now.sign * short)
 
 
 def scenario_of(composition: Composition, found: Tuned, target: Path) -> Path:
