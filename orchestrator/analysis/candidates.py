@@ -100,8 +100,11 @@ class Judge:
         self.full = {n: specified(composition, s) for n, s in self._asked.items()}
         self._shots = {n: Shots(composition, r) for n, r in self.full.items()}
 
-    def judge(self, candidates: Real) -> list[Judged]:
-        """Return the judgement of candidates (n, free)."""
+    def judge(self, candidates: Real, *, run_all: bool = False) -> list[Judged]:
+        """Return the judgement of candidates (n, free).
+
+        ``run_all``: also of those that miss a margin the objective is found.
+        """
         members = [
             [self._values(x, variation) for variation in self.variations]
             for x in candidates
@@ -115,7 +118,7 @@ class Judge:
                     if owner == name:
                         at = np.unravel_index(i, missed.shape)
                         missed[at] += c.missed(shot.figure(figure))
-        keep = [i for i in range(len(members)) if not np.any(missed[i])]
+        keep = [i for i in range(len(members)) if run_all or not np.any(missed[i])]
         self.evaluations += len(flat)
         objectives = np.full(missed.shape, np.inf)
         self._run(members, keep, objectives, missed)

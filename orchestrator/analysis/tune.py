@@ -109,7 +109,7 @@ def tune(
     workers = Workers()
     judge = Judge(composition, free, objective, constraints, over, workers)
     try:
-        start = judge.judge(np.array([[f.start for f in free]]))[0]
+        start = judge.judge(np.array([[f.start for f in free]]), run_all=True)[0]
         x = _evolved(judge, free, seed, generations, progress)
         for _ in range(ROUNDS):
             x = _polished(judge, free, x)
