@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-all lint fmus bench pictures clean
+.PHONY: demo test test-all test-hostile lint fmus bench pictures clean
 
 demo: $(READY)
 	$(BIN)/feeddrive demo
@@ -13,6 +13,10 @@ test: lint
 
 test-all: lint
 	$(BIN)/pytest -n auto --dist worksteal --every-form
+
+# FMUs that break, files that lie, calls that fail; the draws change with the commit.
+test-hostile: $(READY)
+	$(BIN)/pytest -n auto tests/hostile --hostile
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -8,6 +8,7 @@ import fmpy
 import hypothesis
 import pytest
 from callbacks import collecting
+from effort import EFFORT
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
@@ -21,6 +22,26 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="test every FMU form (Python, model exchange, platforms) of every model",
     )
+    parser.addoption(
+        "--hostile",
+        action="store_true",
+        help="run all of tests/hostile, with draws that change with the commit",
+    )
+    parser.addoption(
+        "--every-failure",
+        action="store_true",
+        help="with --hostile: let every call to the system fail, not those drawn",
+    )
+    parser.addoption(
+        "--fuzz-examples",
+        type=int,
+        metavar="N",
+        help="with --hostile: examples for every reader that is fuzzed",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    EFFORT.every = config.getoption("--every-form")
 
 
 @pytest.fixture(scope="session", autouse=True)

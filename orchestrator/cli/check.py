@@ -83,14 +83,18 @@ def _refuse_no_fmu(path: Path) -> None:
     from orchestrator.checks.archive import Archive
     from orchestrator.checks.item import CannotRun
     from orchestrator.errors import FmuError
+    from orchestrator.fmu.archive import DAMAGE
     from orchestrator.fmu.description import refuse_other_fmi
 
     if not path.is_file():
         return  # told when it is opened
     if not is_zipfile(path):
         raise FmuError(f"{path}: is no FMU, which is a zip archive, but {_what(path)}")
-    with ZipFile(path) as archive:
-        names = archive.namelist()
+    try:
+        with ZipFile(path) as archive:
+            names = archive.namelist()
+    except DAMAGE:
+        return  # a finding
     if not any(name.endswith("modelDescription.xml") for name in names):
         held = ", ".join(names[:3]) or "nothing"
         raise FmuError(

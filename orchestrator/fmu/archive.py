@@ -5,7 +5,9 @@ folder, links, too many files, too much data.  The folder is deleted by whoever
 asked for it (``unpacked`` does so at the end of its block).
 """
 
+import lzma
 import stat
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -16,7 +18,10 @@ from orchestrator.errors import FmuError
 from orchestrator.folders.temporary import temporary_folder
 
 # what zipfile raises on damaged data
-DAMAGE = (zipfile.BadZipFile, zlib.error, OSError, EOFError, RuntimeError)
+DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
+    *(OSError, EOFError, RuntimeError, ValueError, LookupError),
+)
 MAX_FILES = 20_000
 MAX_BYTES = 2 << 30
 MAX_TEXT = 32 << 20  # bytes of a member that is read as a whole, such as a description
@@ -33,7 +38,7 @@ def checked_members(path: Path) -> list[zipfile.ZipInfo]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
-    except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
+    except DAMAGE as error:
         raise FmuError(
             f"{path}: not a readable zip archive ({error}); it may be truncated: "
             f"export or copy it again"

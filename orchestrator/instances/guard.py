@@ -4,7 +4,8 @@ On Linux ``stand_guard`` splits a process in two.  The one that goes on is kille
 the system when its guard ends, whatever an FMU does in it.  The guard gets every
 process that was left by its own parent (it is their subreaper), so that nothing can
 leave it; when the process it guards ends, or the master does, or asks for it by
-SIGTERM, it kills what is left and ends as the process did.
+SIGTERM, it kills what is left and ends as the process did.  What it prints goes through
+the guard, which shows control characters instead of passing them to a terminal.
 """
 
 import ctypes
@@ -20,8 +21,11 @@ from pathlib import Path
 from time import sleep
 from typing import NoReturn
 
+from orchestrator.errors import shown
+
 PDEATHSIG, SUBREAPER = 1, 36  # of prctl
 ROUNDS, PAUSE = 400, 0.005  # of killing, with seconds between: at most 2 s
+MOST = 65536  # bytes that are printed at once: what a pipe holds
 LEFT = 1  # exit code where the master has gone
 
 
@@ -52,20 +56,26 @@ def stand_guard(cleared: Callable[[], None]) -> None:
     prctl = ctypes.CDLL(None).prctl
     prctl(SUBREAPER, 1, 0, 0, 0)
     guard = os.getpid()
+    printed, printing = os.pipe()
     guarded = os.fork()
     if guarded:
-        _guard(guarded, watched, cleared)
+        _guard(guarded, watched, printed, cleared)
     prctl(PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    os.close(watched)
+    for descriptor in (1, 2):
+        os.dup2(printing, descriptor)
+    for descriptor in (watched, printed, printing):
+        os.close(descriptor)
     if os.getppid() != guard:
         os._exit(LEFT)
 
 
-def _guard(guarded: int, watched: int, cleared: Callable[[], None]) -> NoReturn:
+def _guard(
+    guarded: int, watched: int, printed: int, cleared: Callable[[], None]
+) -> NoReturn:
     """Wait for an end; leave nothing."""
     code = -signal.SIGKILL
     try:
-        code = _watch(guarded, watched, cleared)
+        code = _watch(guarded, watched, printed, cleared)
     finally:
         if code < 0:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -76,7 +86,9 @@ def _guard(guarded: int, watched: int, cleared: Callable[[], None]) -> NoReturn:
         os._exit(code)
 
 
-def _watch(guarded: int, watched: int, cleared: Callable[[], None]) -> int:
+def _watch(
+    guarded: int, watched: int, printed: int, cleared: Callable[[], None]
+) -> int:
     ends: dict[int, int] = {}
 
     def reap(*_: object) -> None:
@@ -88,15 +100,22 @@ def _watch(guarded: int, watched: int, cleared: Callable[[], None]) -> int:
         raise _Asked
 
     end = os.pidfd_open(guarded)
-    _hold_nothing_but(watched, end)
+    terminal = os.dup(2)
+    _hold_nothing_but(watched, printed, terminal, end)
+    os.set_blocking(printed, False)
     signal.signal(signal.SIGCHLD, reap)
     gone = False
     try:
         signal.signal(signal.SIGTERM, asked)
         waiting = select.poll()
-        for descriptor in (watched, end):
+        for descriptor in (watched, printed, end):
             waiting.register(descriptor, select.POLLIN)
-        gone = watched in dict(waiting.poll())
+        ready = {printed}
+        while not ready & {watched, end}:
+            ready = {descriptor for descriptor, _ in waiting.poll()}
+            if printed in ready and not _show(printed, terminal):
+                waiting.unregister(printed)
+        gone = watched in ready
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
     except _Asked:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
@@ -109,10 +128,22 @@ def _watch(guarded: int, watched: int, cleared: Callable[[], None]) -> int:
         if not _has_children():
             break
         sleep(PAUSE)
+    _show(printed, terminal)
     if gone:
         cleared()
         return LEFT
     return ends.get(guarded, -signal.SIGKILL)
+
+
+def _show(printed: int, terminal: int) -> bool:
+    """Print what the guarded process printed; tell whether there may be more."""
+    data = b""
+    with suppress(BlockingIOError):
+        data = os.read(printed, MOST)
+    text = shown(data.decode("utf-8", "backslashreplace"))
+    with suppress(OSError):  # the reader is gone
+        os.write(terminal, text.encode("utf-8", "backslashreplace"))
+    return bool(data)
 
 
 def _has_children() -> bool:

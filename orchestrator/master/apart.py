@@ -44,12 +44,15 @@ _INSIDE: list[bool] = []
 
 def let_in(timetable: Timetable) -> list[str]:
     """Return the FMUs of others that run in the process of the run, none inside it."""
-    parts = timetable.wiring.parts.items()
+    return [] if _INSIDE else _foreign(timetable.wiring.system)
+
+
+def _foreign(system: System) -> list[str]:
     return [
         name
-        for name, part in parts
-        if part.component.isolation.process is False and not is_trusted(part.fmu.path)
-    ] * (not _INSIDE)
+        for name, component in system.components.items()
+        if component.isolation.process is False and not is_trusted(component.fmu)
+    ]
 
 
 def simulate_apart(
@@ -175,6 +178,8 @@ def _died(child: Child, file: Path, timetable: Timetable) -> SimulationError:
     where, call = _doing(file, timetable)
     if where in timetable.wiring.parts:
         where += f" ({timetable.wiring.parts[where].fmu.path.name})"
+    else:
+        where = f"the run with {' and '.join(_foreign(timetable.wiring.system))} inside"
     return SimulationError(
         f"{where}: the process of the run {how} during {call}; isolation = "
         f'"none" lets this FMU into it: leave it out, and the FMU has its own'
@@ -219,6 +224,15 @@ def _serve(
             simulate(system, folder, **options)
         except FeedDriveError as error:
             tell("error", error)
+        except Exception as error:  # what is inside may have spoilt anything
+            inside = " and ".join(_foreign(system))
+            tell(
+                "error",
+                SimulationError(
+                    f"the run with {inside} inside failed: {type(error).__name__}: "
+                    f'{error}; leave out isolation = "none"'
+                ),
+            )
     for text in warnings[len(said) :]:
         tell("warned", text)
     sys.stderr.flush()

@@ -89,6 +89,11 @@ def advance(x: State, u: Input, p: Parameters, h: float) -> State:
 def up_to_kink(x: State, u: Input, p: Parameters, h: float) -> Any:
     """Return the part of h before the rotor reverses or meets the voltage limit."""
     alpha, _ = accelerations(x, u, p)
+    return time_to_kink(x, u, alpha, p, h)
+
+
+def time_to_kink(x: State, u: Input, alpha: Any, p: Parameters, h: Any) -> Any:
+    """Return the same at a rotor's acceleration alpha (rad/s²)."""
     alpha = np.where(alpha == 0, TINY, alpha)
     drop = p.R * np.minimum(np.maximum(u.u, -p.i_max), p.i_max)
     K_e = np.maximum(p.K_e, TINY)

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from typed import ITEMS, TYPES, typed
 
+from fmus.trust import trust
 from orchestrator.checks.engine import check_fmu
 from orchestrator.errors import FeedDriveError, SimulationError, WiringError
 from orchestrator.master.simulate import Choice, simulate
@@ -55,8 +56,12 @@ def number(value: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Mapping[int, Path]:
+    """Both are trusted: else each of a thousand runs would be a child of its own."""
     folder = tmp_path_factory.mktemp("types")
-    return {fmi: typed(fmi, folder) for fmi in (2, 3)}
+    built = {fmi: typed(fmi, folder) for fmi in (2, 3)}
+    for fmu in built.values():
+        trust(fmu)
+    return built
 
 
 class Trial:

@@ -1,19 +1,25 @@
 """The shipped designs for contouring.
 
-k_planar   K(θ) from (r_x - x, r_y - y) to both commands, a Fourier series
+k_planar      K(θ) from (r_x - x, r_y - y) to both commands, a Fourier series
+lqg_spatial   gridded LQG along the path in space, from (r - u_c) to three commands
 """
 
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
+
 import controllers.three_axis
-from controllers.synthesis.contouring_lpv import planar
+from controllers.synthesis.contouring_lpv import lqg, planar
 from controllers.synthesis.lpv import shipped
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 
 FOLDER = Path(controllers.three_axis.__file__).parent
 NAMES = ["theta"]
+LQG_POINTS = 17
+LQG_W_V = 0.5  # 1/V
+LQG_RATIO = 3e11  # V²/m²
 
 
 def read() -> Design:
@@ -38,4 +44,26 @@ def _made() -> dict[str, str]:
     return shipped.make(problem, (planar.dense(),), NAMES, ["k_planar.json"], about)
 
 
-DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {"k_planar": _made}
+def _lqg() -> dict[str, str]:
+    grid = np.linspace(0, 1, LQG_POINTS)
+    found = lqg.design(lqg.along(grid), LQG_W_V, LQG_RATIO)
+    matrices = found._asdict()
+    gains = matrices.pop("K")
+    content = {
+        "period": "1/4000",
+        "q": grid,
+        **matrices,
+        "K": gains.reshape(-1, gains.shape[-1]),
+        "design": {
+            "weights": {"W_t": lqg.W_T, "W_n": lqg.W_N, "W_v": LQG_W_V},
+            "ratio": LQG_RATIO,
+            "versions": shipped.versions(),
+        },
+    }
+    return {"lqg_spatial.json": shipped.text(content)}
+
+
+DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
+    "k_planar": _made,
+    "lqg_spatial": _lqg,
+}

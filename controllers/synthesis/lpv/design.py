@@ -8,7 +8,7 @@ import numpy as np
 from controllers.synthesis.lpv.coordinates import Coordinates
 from controllers.synthesis.lpv.elimination import NoSolution, eliminate
 from controllers.synthesis.lpv.fourier import Fourier, angles, fitted
-from controllers.synthesis.lpv.frozen import balanced, frozen_optima
+from controllers.synthesis.lpv.frozen import balanced, frozen_optima, of_control
 from controllers.synthesis.lpv.inequalities import (
     Storage,
     coupling,
@@ -81,9 +81,11 @@ def design(problem: Problem, solver: str = "CLARABEL") -> Design:
         NoSolution: the solver says so, or what it claims is impossible.
         ImportError: the extra ``synthesis`` is not installed.
     """
-    units, bound = balanced(
-        problem.plant, problem.frozen, problem.time, problem.gain, problem.floors
-    )
+    told = problem.plant, problem.frozen, problem.time, problem.gain
+    if problem.control_alone:
+        units, bound = of_control(*told)
+    else:
+        units, bound = balanced(*told, problem.floors)
     best, used = eliminate(problem, units, solver)
     refuse_below(bound, best[0].gamma * units.gain, solver)
     plain = [

@@ -17,7 +17,7 @@ import numpy as np
 from controllers.synthesis.lpv.coordinates import Coordinates
 from controllers.synthesis.lpv.inequalities import null_x, null_y
 from controllers.synthesis.lpv.problem import Found, Problem
-from controllers.synthesis.lpv.systems import Matrix
+from controllers.synthesis.lpv.systems import GeneralisedPlant, Matrix
 
 
 class NoSolution(ValueError):
@@ -110,11 +110,15 @@ class _Unknowns:
 
     def _of_points(self, gamma: Any) -> Iterator[Any]:
         X, decay, time = self.X, self.problem.decay * self.units.time, self.units.time
+        known: list[Matrix] = []
         for region, Y_k in zip(self.problem.regions, self.Y, strict=True):
             for point in region.points:
                 p = self.units.plant(self.problem.plant(point.rho))
-                Q = X @ p.A + p.A.T @ X + 2 * decay * X
-                yield self._whole(gamma, null_x(p), Q, X @ p.B_1, p.C_1.T, p.D_11.T)
+                seen = seen_by_x(p)
+                if not any(np.allclose(seen, M, 1e-9, 1e-12) for M in known):
+                    known.append(seen)
+                    Q, V = X @ p.A + p.A.T @ X + 2 * decay * X, X @ p.B_1
+                    yield self._whole(gamma, null_x(p), Q, V, p.C_1.T, p.D_11.T)
                 Y = weighted(Y_k, region.basis.values(point.rho))
                 Q = p.A @ Y + Y @ p.A.T + 2 * decay * Y
                 for rate in point.rates:
@@ -142,6 +146,16 @@ class _Unknowns:
             ]
         )
         return N.T @ M @ N
+
+
+def seen_by_x(plant: GeneralisedPlant) -> Matrix:
+    """Return what the inequality of X depends on: ẋ and z where y = 0.
+
+    Points that agree in it demand the same of X, and are asked once.
+    """
+    n, m = plant.B_1.shape
+    N = null_x(plant)[: n + m, : -len(plant.C_1)]
+    return np.block([[plant.A, plant.B_1], [plant.C_1, plant.D_11]]) @ N
 
 
 def minimise(

@@ -67,6 +67,23 @@ def balanced(
     return replace(units, T=T), bound
 
 
+def of_control(
+    plant: PlantAt, at: Sequence[Values], time: float, gain: float
+) -> tuple[Coordinates, float]:
+    """Return as ``balanced`` states in which the control's mean solution is I.
+
+    For γ near ``gain``: the solutions are those at 1.5 times of it.  The estimator has
+    no say, and the solver stops earlier: what it finds is further inside.
+    """
+    plants = [plant(rho) for rho in at]
+    units = suitable(plants, time, gain)
+    scaled = [units.plant(p) for p in plants]
+    bound = max(optimum(p, COARSE).gamma for p in scaled) * gain / (1 + COARSE)
+    X = np.mean([riccati(p, BACK_OFF)[0] for p in scaled], axis=0)
+    size, U = np.linalg.eigh((X + X.T) / 2)
+    return replace(units, T=units.T @ (U / np.sqrt(size)) @ U.T), bound
+
+
 def balancing(P: Matrix, Q: Matrix) -> Matrix:
     """Return T with T'PT = T⁻¹QT⁻' diagonal, for positive definite P and Q.
 

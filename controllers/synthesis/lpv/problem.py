@@ -56,7 +56,8 @@ class Problem:
 
     ``plant`` is in SI, ``Point.rates`` per second.  ``frozen`` are a few values of ρ,
     the ends among them, for the lower bound and the states.  ``time`` and ``gain`` are
-    units for conditioning, ``floors`` as of ``frozen.balanced``.  ``decay`` (1/s) stays
+    units for conditioning, ``floors`` as of ``frozen.balanced``, instead of which
+    ``control_alone`` takes the states of ``frozen.of_control``.  ``decay`` (1/s) stays
     below the slowest weight's pole and about a quarter of the slowest loop's; γ is
     backed off by ``back_off`` and the traces of X and Y cost ``price``.  ``axes`` are
     the breakpoints of each region's table, sampled every ``T_s`` (s); with ``order``
@@ -75,6 +76,7 @@ class Problem:
     time: float = 1e-3
     gain: float = 1.0
     floors: tuple[float, float] = (0.0, 0.0)
+    control_alone: bool = False
     order: int = 0
 
 

@@ -6,23 +6,31 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
 #define DESCRIPTORS 256
+#define TEXT_(x) #x
+#define TEXT(x) TEXT_(x)
 
 enum { OK, WARNS, DISCARD, ERROR };
 enum {
     WELL, WRITES, CLOSES, CUTS, DAEMON, CONSTRUCTOR, CRASH_IN_TERMINATE, CRASH_IN_FREE,
     HANG_IN_TERMINATE, BEYOND, BEFORE, STOPS, UNMARKED, FORGES, HANG, EXIT_0,
-    EXIT_0_IN_CONSTRUCTOR, HANG_IN_FREE
+    EXIT_0_IN_CONSTRUCTOR, HANG_IN_FREE, CRASH, ABORTS, NOT_A_NUMBER, RETURNS_ERROR,
+    LOGS
 };
+
+typedef void Logger(void *, const char *, int, const char *, const char *, ...);
 
 typedef struct {
     double real[3];
     int steps;
+    Logger *log;
+    char name[64];
 } Instance;
 
 static void crash(void) {
@@ -48,7 +56,7 @@ static void leave_daemon(void) {
     setsid();
     if (fork())
         _exit(0);
-    char *arguments[] = {"sleep", "1000", NULL}, *nothing[] = {NULL};
+    char *arguments[] = {"sleep", TEXT(SLEEP), NULL}, *nothing[] = {NULL};
     if (HOW == UNMARKED)
         execve("/bin/sleep", arguments, nothing);
     for (;;)
@@ -77,12 +85,19 @@ static void attack(void) {
         hang();
     if (HOW == EXIT_0)
         exit(0);
+    if (HOW == CRASH)
+        crash();
+    if (HOW == ABORTS)
+        abort();
 }
 
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid,
                              const char *resources, const void *callbacks, int visible,
                              int logging) {
-    return calloc(1, sizeof(Instance));
+    Instance *i = calloc(1, sizeof *i);
+    i->log = *(Logger *const *)callbacks;
+    strncpy(i->name, name, sizeof i->name - 1);
+    return i;
 }
 
 EXPORT void FREE(Instance *i) {
@@ -122,9 +137,16 @@ EXPORT int fmi2SetReal(Instance *i, const unsigned *r, size_t n, const double *v
 
 EXPORT int fmi2DoStep(Instance *i, double t, double h, int no_set_state) {
     i->real[1] = i->real[0] + t + h;
-    if (++i->steps == 3)
-        attack();
-    return OK;
+    if (++i->steps != 3)
+        return OK;
+    attack();
+    if (HOW == NOT_A_NUMBER)
+        i->real[1] = 0.0 / (t - t);
+    if (HOW == LOGS) {
+        i->log(NULL, i->name, WARNS, "evil", "\033]0;evil\a\033[2J");
+        fputs("\033[2Jprinted\n", stderr);
+    }
+    return HOW == RETURNS_ERROR ? ERROR : OK;
 }
 
 ABSENT

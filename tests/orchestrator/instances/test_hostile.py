@@ -10,7 +10,7 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from foreign import compile_source, packed
+from hostile import hostile_fmu, left_running
 from systems import system
 
 from orchestrator.errors import SimulationError
@@ -25,34 +25,12 @@ from orchestrator.warned import collecting
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="the hostile FMU and its traces are of Linux"
 )
-SOURCE = Path(__file__).parents[1] / "broken" / "hostile.c"
-HOW = (
-    *("well", "writes", "closes", "cuts", "daemon", "constructor"),
-    *("crash in terminate", "crash in free", "hang in terminate", "beyond", "before"),
-    *("stops", "unmarked", "forges", "hang", "exit 0", "exit 0 in constructor"),
-    "hang in free",
-)
 EXECUTORS: list[Choice] = ["kernel", "python"]
-DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="x">
-  <CoSimulation modelIdentifier="hostile"
-    canHandleVariableCommunicationStepSize="true"/>
-  <ModelVariables>
-    <ScalarVariable name="u" valueReference="0" causality="input"
-      variability="continuous"><Real start="0"/></ScalarVariable>
-    <ScalarVariable name="y" valueReference="1" causality="output"
-      variability="continuous"><Real/></ScalarVariable>
-  </ModelVariables>
-  <ModelStructure><Outputs><Unknown index="2" dependencies="1"/></Outputs>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 WITHIN = 2.0  # s, answer_within
 
 
 def hostile(folder: Path, how: str, apart: bool = True) -> Component:
-    library = compile_source(2, SOURCE, folder, (), {"HOW": HOW.index(how)})
-    fmu = packed(2, folder, library, DESCRIPTION)
+    fmu = hostile_fmu(how, folder)
     isolation = Isolation(process=apart, answer_within=WITHIN)
     return Component("bad", fmu, Fraction(1, 1000), isolation=isolation)
 
@@ -69,30 +47,8 @@ def run(
 def nothing_is_left() -> Iterator[None]:
     begun = monotonic()
     yield
-    assert list(marked()) == []
-    assert list(sleepers()) == []
+    assert left_running(f"{MARK}={os.getpid()}-") == []
     assert monotonic() - begun < 60  # no hang; loaded machines start slowly
-
-
-def marked() -> Iterator[int]:
-    """Give the processes that FMUs of this test run in, or started."""
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            words = (folder / "environ").read_bytes()
-        except OSError:
-            continue
-        if f"{MARK}={os.getpid()}-".encode() in words:
-            yield int(folder.name)
-
-
-def sleepers() -> Iterator[int]:
-    """Give the processes that "unmarked" leaves, which have no environment."""
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            if (folder / "cmdline").read_bytes() == b"sleep\x001000\0":
-                yield int(folder.name)
-        except OSError:
-            continue
 
 
 def assert_whole(result: Result) -> None:
@@ -131,6 +87,16 @@ def test_a_constructor_without_end_is_named(tmp_path: Path) -> None:
     text = r"no answer within 5 s \(answer_within\) in load; its process is killed"
     with pytest.raises(SimulationError, match=text):
         run(tmp_path, "constructor")
+
+
+def test_what_it_prints_and_logs_steers_no_terminal(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    assert_whole(run(tmp_path, "logs"))
+    printed = capfd.readouterr().err
+    assert "\\x1b[2Jprinted\n" in printed
+    assert "\\x1b]0;evil\\x07\\x1b[2J" in caplog.text
+    assert "\x1b" not in printed + caplog.text
 
 
 def test_one_that_stops_itself_is_late(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from effort import EFFORT
 from hypothesis import HealthCheck, assume, event, given, settings
 from random_systems import SCENARIOS, row, systems
 
@@ -39,7 +40,7 @@ def assert_equal(system: System, folder: Path) -> None:
 
 
 @settings(
-    max_examples=200,
+    max_examples=EFFORT.sample(200, 60),
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),

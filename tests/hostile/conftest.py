@@ -1,0 +1,30 @@
+"""What of the hostile suite runs: all with ``--hostile``, else what is a sample."""
+
+from pathlib import Path
+
+import pytest
+from draws import seed
+
+HERE = Path(__file__).parent
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "sample: part of the plain suite as well")
+
+
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> None:
+    if config.getoption("--hostile"):
+        return
+    left_out = {
+        item
+        for item in items
+        if HERE in item.path.parents and item.get_closest_marker("sample") is None
+    }
+    config.hook.pytest_deselected(items=list(left_out))
+    items[:] = [item for item in items if item not in left_out]
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return f"hostile draws from: {seed()}" if config.getoption("--hostile") else ""

@@ -1,0 +1,165 @@
+"""What readers are given is changed at random, from a kept corpus; they refuse or read.
+
+``corpus/`` holds what was found, and the seeds; whatever is found joins it.  A minute
+per reader with ``--hostile``, as long as one likes with ``--fuzz-examples``.
+"""
+
+import contextlib
+import json
+import re
+import zipfile
+from collections.abc import Callable
+from fractions import Fraction
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+from draws import seed
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import seed as seeded
+from hypothesis import strategies as st
+
+from fmus.build import build
+from orchestrator.errors import FeedDriveError
+from orchestrator.fmu.archive import unpacked
+from orchestrator.fmu.description import read_fmu
+from orchestrator.instances.frames import Damaged, decode, encode
+from orchestrator.instances.logs import LogMessage
+from orchestrator.master.simulate import plan
+from orchestrator.scenario.reading import scenario_from
+from orchestrator.system import Component, System
+from orchestrator.toml import toml
+
+Fuzzed = Callable[[Any, Callable[[Any], None]], None]
+Damage = tuple[list[tuple[int, int]], int]  # bytes that are others, and a cut
+CORPUS = Path(__file__).parent / "corpus"
+EXAMPLES = 1500
+GARBAGE = (
+    *("", "abc", "nan", "inf", "-inf", "1e999", "1e999999999", "-1", "0", "1" * 2000),
+    *("0x10", "1,5", "true", "\u0660", "1e-400", "1/0", "..", "a/b", "1 2 3", "\0"),
+    *("[" * 200, "{" * 200, "'", '"', "=", "<", "&#x1b;", "99999999999999999999"),
+)
+QUIET = settings(
+    deadline=None,
+    database=None,
+    phases=(Phase.explicit, Phase.generate, Phase.shrink),
+    suppress_health_check=list(HealthCheck),
+)
+
+
+@pytest.fixture
+def fuzzed(request: pytest.FixtureRequest) -> Fuzzed:
+    """Give a check what a strategy draws, another sequence in every commit."""
+    asked = request.config.getoption("--fuzz-examples")
+
+    def fuzz(strategy: Any, check: Callable[[Any], None]) -> None:
+        @seeded(seed())
+        @settings(QUIET, max_examples=asked or EXAMPLES)
+        @given(strategy)
+        def tried(drawn: Any) -> None:
+            check(drawn)
+
+        tried()
+
+    return fuzz
+
+
+def texts(name: str) -> list[str]:
+    return [f.read_text("utf-8") for f in sorted((CORPUS / name).iterdir())]
+
+
+@st.composite
+def changed(draw: st.DrawFn, seeds: list[str], spots: str) -> str:
+    """Return a text of the corpus in which a few spots are something else."""
+    text = draw(st.sampled_from(seeds))
+    for _ in range(draw(st.integers(1, 4))):
+        found = list(re.finditer(spots, text))
+        if not found:
+            break
+        spot = found[draw(st.integers(0, len(found) - 1))]
+        other = found[draw(st.integers(0, len(found) - 1))][0]
+        new = draw(st.sampled_from([*GARBAGE, other, other + other]))
+        text = text[: spot.start()] + new + text[spot.end() :]
+    return text
+
+
+def test_descriptions_are_read_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
+    names = [build("plants.ball_screw.two_mass", fmi=fmi) for fmi in (2, 3)]
+    names += [build("controllers.ball_screw.mc_ppc", fmi=fmi) for fmi in (2, 3)]
+    seeds = texts("descriptions")
+    for name in names:
+        with zipfile.ZipFile(name) as archive:
+            seeds.append(archive.read("modelDescription.xml").decode())
+    fmu, T = tmp_path / "m.fmu", Fraction(1, 20_000)
+
+    def check(text: str) -> None:
+        with zipfile.ZipFile(fmu, "w") as archive:
+            archive.writestr("modelDescription.xml", text)
+        read_fmu.__globals__["_read"].cache_clear()
+        try:
+            found = read_fmu(fmu)
+            record = {f"a.{name}": (T,) for name in found.outputs}
+            plan(System("t", 100 * T, {"a": Component("a", fmu, T)}, {}, record))
+        except FeedDriveError:
+            pass
+
+    fuzzed(changed(seeds, r'(?<==")[^"]*(?=")|\w+="[^"]*"|<\w+'), check)
+
+
+def test_archives_are_unpacked_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
+    whole = BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in ("modelDescription.xml", "resources/a/b.txt", "binaries/x/y.so"):
+            archive.writestr(name, name * 20)
+    data, fmu = whole.getvalue(), tmp_path / "m.fmu"
+    byte = st.tuples(st.integers(0, len(data) - 1), st.integers(0, 255))
+    changes = st.tuples(st.lists(byte, max_size=8), st.integers(0, len(data)))
+    found: list[Damage] = json.loads((CORPUS / "archives.json").read_text())
+
+    def check(drawn: Damage) -> None:
+        content = bytearray(data)
+        for place, value in drawn[0]:
+            content[place] = value
+        fmu.write_bytes(content[drawn[1] :] if drawn[1] % 3 == 0 else content)
+        try:
+            with unpacked(fmu) as folder:
+                inside = [file.resolve() for file in folder.rglob("*")]
+                assert all(file.is_relative_to(folder.resolve()) for file in inside)
+        except FeedDriveError:
+            pass
+
+    for known in found:
+        check(known)
+    fuzzed(changes, check)
+
+
+def test_scenarios_are_read_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
+    file = tmp_path / "s.toml"
+
+    def check(text: str) -> None:
+        try:
+            tables = toml(text)
+        except ValueError:
+            return
+        with contextlib.suppress(FeedDriveError):
+            scenario_from(tables, file)
+
+    spots = r'"[^"\n]*"|\b[\w.]+\b|[=\[\]{}]|\n'
+    fuzzed(changed(texts("scenarios"), spots), check)
+
+
+def test_frames_are_read_or_damaged(fuzzed: Fuzzed) -> None:
+    seeds = texts("frames")
+    seeds += [encode("log", LogMessage("Error", "a", "b", 0.5)).decode()]
+    seeds += [encode("done", [1.5, True, "x", b"\0"]).decode()]
+
+    def check(text: str) -> None:
+        try:
+            kind, _ = decode(text.encode("utf-8", "surrogatepass"))
+        except Damaged:
+            return
+        assert isinstance(kind, str)
+        json.loads(text)
+
+    fuzzed(changed(seeds, r'"[^"]*"|[\d.]+|[\[\]{},:]|null|true') | st.text(), check)
