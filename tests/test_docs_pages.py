@@ -12,7 +12,7 @@ PAGES = {
     "tune": "margin",
     "measured-data": "measured_data",
 }
-PLAIN = {"what-margin-is-left": 1, "tune": 0, "measured-data": 5}  # commands
+PLAIN = {"what-margin-is-left": 1, "tune": 0, "measured-data": 2}  # commands
 
 
 def page(name: str) -> str:

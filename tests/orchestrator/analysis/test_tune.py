@@ -49,7 +49,7 @@ def test_tuned_gains_keep_their_margin_in_the_worst_variation(
     """What is found is run, measured and swept once more by other means."""
     monkeypatch.chdir(scenario.parent)
     asked = ["--free", "controller.k_v,controller.k_p", "--minimise", "tracking.peak"]
-    asked += ["--subject-to", BOUND, "--over", "plant.b=+-10%", "--generations", "6"]
+    asked += ["--subject-to", BOUND, "--over", "plant.b=+-10%", "--generations", "4"]
     done = CliRunner().invoke(app, ["tune", str(scenario), *asked, "--json"])
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
