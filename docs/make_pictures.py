@@ -193,9 +193,34 @@ def decibels(values: Any) -> Any:
     return 20 * np.log10(np.abs(values))
 
 
+def rose() -> None:
+    """Rose under the cascade and under K(θ): the contour error, magnified."""
+    runs = [
+        ("P-PI cascade", "p_pi_rose", 20),
+        ("LPV contouring control K(θ)", "lpv_rose", 500),
+    ]
+    figure, plots = plt.subplots(1, 2, figsize=(9, 4.6), layout="constrained")
+    for plot, (label, scenario, magnified) in zip(plots, runs, strict=True):
+        done = run(f"contouring_lpv/{scenario}", report=False)
+        r_x, r_y = (1e3 * done[f"path.r_{a}"].values for a in "xy")
+        t_x, t_y = (done[f"path.t_{a}"].values for a in "xy")
+        e = 1e3 * done["frame.e_nd"].values
+        plot.plot(r_x, r_y, color="0.6", lw=0.8, label="path")
+        # the table lies -e beside the path, along its normal (-t_y, t_x)
+        x, y = r_x + magnified * e * t_y, r_y - magnified * e * t_x
+        plot.plot(x, y, color="#d1495b", lw=1, label=f"errors × {magnified}")
+        worst = 1e3 * np.max(np.abs(e))
+        plot.set(aspect="equal", title=f"{label}: {worst:.1f} µm", xlabel="x in mm")
+        plot.legend(frameon=False, loc="lower right", fontsize=8)
+        plot.spines[["top", "right"]].set_visible(False)
+    plots[0].set_ylabel("y in mm")
+    figure.savefig(HERE / "pictures" / "rose.png", dpi=110)
+
+
 if __name__ == "__main__":
     demo()
     held()
     responded()
     tuned()
     fitted()
+    rose()

@@ -125,10 +125,15 @@ def host_platform() -> str:
 
 
 def compile_library(
-    identifier: str, generated: Mapping[str, str], platform: str, cache: Path
+    identifier: str,
+    generated: Mapping[str, str],
+    platform: str,
+    cache: Path,
+    adapters: Mapping[str, str] | None = None,
 ) -> Path:
     """Compile a model's generated sources and link them to the adapters.
 
+    ``adapters`` are those of an FMU built before, ours of today by default.
     Returns ``<cache>/<digest>/<identifier><suffix>``, made now or found there.
 
     Raises:
@@ -136,13 +141,15 @@ def compile_library(
     """
     target = _target(platform)
     name = identifier + target.suffix
-    digest = _digest(target, {**adapter_sources(), **generated}, identifier)
+    adapters = adapter_sources() if adapters is None else adapters
+    digest = _digest(target, {**adapters, **generated}, identifier)
     place = cache / digest
     if found := entry(place):
         return found[name]
-    objects = _adapters(target, cache)
+    objects = _adapters(target, adapters, cache)
+    headers = {name: text for name, text in adapters.items() if name[-2:] == ".h"}
     with building(cache) as folder:
-        _write(folder, {**_headers(), **generated})
+        _write(folder, {**headers, **generated})
         for file in objects:
             shutil.copyfile(file, folder / file.name)
         inputs = source_names(generated) + [file.name for file in objects]
@@ -184,9 +191,8 @@ def compile_alone(
     return place / file
 
 
-def _adapters(target: Platform, cache: Path) -> list[Path]:
+def _adapters(target: Platform, sources: Mapping[str, str], cache: Path) -> list[Path]:
     """Return the object files of the adapters, compiled now or found."""
-    sources = adapter_sources()
     ready = cache / _digest(target, sources, "adapters")
     names = [f"{Path(name).stem}.o" for name in source_names(sources)]
     if not entry(ready):
@@ -209,10 +215,6 @@ def _target(platform: str) -> Platform:
 
 def _known() -> str:
     return ", ".join(PLATFORMS)
-
-
-def _headers() -> dict[str, str]:
-    return {name: text for name, text in adapter_sources().items() if name[-2:] == ".h"}
 
 
 def _digest(target: Platform, sources: Mapping[str, str], *more: str) -> str:

@@ -27,6 +27,7 @@ from orchestrator.cli import (
     study,
     sweep,
     tune,
+    verify,
 )
 
 app = typer.Typer(
@@ -64,6 +65,7 @@ for verb in (
     build.build,
     fmus.info,
     check.check,
+    verify.verify,
     run.schedule,
     run.run,
     runs.runs,

@@ -178,11 +178,10 @@ def _died(child: Child, file: Path, timetable: Timetable) -> SimulationError:
     where, call = _doing(file, timetable)
     if where in timetable.wiring.parts:
         where += f" ({timetable.wiring.parts[where].fmu.path.name})"
-    else:
-        where = f"the run with {' and '.join(_foreign(timetable.wiring.system))} inside"
+    inside = " and ".join(_foreign(timetable.wiring.system))
     return SimulationError(
         f"{where}: the process of the run {how} during {call}; isolation = "
-        f'"none" lets this FMU into it: leave it out, and the FMU has its own'
+        f'"none" lets {inside} into it: leave that out for a process of its own'
     )
 
 

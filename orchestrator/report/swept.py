@@ -94,10 +94,12 @@ def _heat_map(
     x, y = (list(dict.fromkeys(row[key] for row in rows)) for key in keys)
     known = {(row[keys[0]], row[keys[1]]): row.get(name) for row in rows}
     z = [[known.get((a, b)) for a in x] for b in y]
+    columns, lines = _labels(x), _labels(y)
+    across, up = dict(zip(x, columns, strict=True)), dict(zip(y, lines, strict=True))
     picture = go.Figure(
         go.Heatmap(
-            x=_labels(x),
-            y=_labels(y),
+            x=columns,
+            y=lines,
             z=z,
             colorscale="Viridis",
             colorbar={"title": unit},
@@ -109,8 +111,8 @@ def _heat_map(
         if name in row["broken"] or row["failure"]
     ]
     picture.add_scatter(
-        x=[_label(a, x) for a, _ in broken],
-        y=[_label(b, y) for _, b in broken],
+        x=[across[a] for a, _ in broken],
+        y=[up[b] for _, b in broken],
         mode="markers",
         marker={"symbol": "x", "color": FAILED, "size": 9},
         name="not met",
@@ -144,12 +146,9 @@ def _heat_map(
 
 
 def _labels(values: Sequence[Any]) -> list[Any]:
-    return [_label(v, values) for v in values]
-
-
-def _label(value: Any, among: Sequence[Any]) -> Any:
-    """Return a number where all are, else text: a category."""
-    return value if all(isinstance(v, float) for v in among) else str(value)
+    """Return numbers where all are, else texts: categories."""
+    numbers = all(isinstance(v, float) for v in values)
+    return list(values) if numbers else [str(v) for v in values]
 
 
 def _points(
@@ -164,12 +163,11 @@ def _points(
     picture = make_subplots(cols=len(keys), shared_yaxes=True, horizontal_spacing=0.03)
     line = len(keys) == 1 and len(rows) < 200
     for i, key in enumerate(keys, 1):
-        values = [row[key] for row in rows]
         colours = [
             FAILED if name in row["broken"] or row["failure"] else HELD for row in rows
         ]
         picture.add_scatter(
-            x=[_label(v, values) for v in values],
+            x=_labels([row[key] for row in rows]),
             y=[row.get(name) for row in rows],
             mode="lines+markers" if line else "markers",
             line={"color": "#9db7d6"},

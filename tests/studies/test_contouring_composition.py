@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from contouring_loop import PPI, Series, run
+from contouring_space_loop import run as run_in_space
 
 import controllers.three_axis
 from orchestrator import session
@@ -43,3 +44,17 @@ def test_a_composition_is_the_independent_loop_to_1e_9(
     for signal, expected in got.items():
         scale = np.max(np.abs(expected - expected[0]))
         assert np.max(np.abs(result[signal].values - expected)) < 1e-9 * scale, signal
+
+
+def test_the_composition_in_space_is_the_independent_loop_to_1e_9(
+    tmp_path: Path,
+) -> None:
+    loaded = load_scenario("contouring_lpv/lqg_space", [f"stop={STOP}"])
+    result = session.run(loaded, tmp_path, report=False)
+    content = json.loads((FOLDER / "lqg_spatial.json").read_text())
+    positions, commands = run_in_space(content, 0.25e-3, STOP)
+    for i, name in enumerate("xyz"):
+        u_c = result[f"plant.u_c{name}"].values - positions[::4, i]
+        v_m = result[f"controller.v_m{name}"].values - commands[:, i]
+        assert np.max(np.abs(u_c)) < 1e-9 * np.max(np.abs(positions)), name
+        assert np.max(np.abs(v_m)) < 1e-9 * np.max(np.abs(commands)), name

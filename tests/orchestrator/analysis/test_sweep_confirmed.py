@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from pathlib import Path
+from shutil import copytree
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ STUDIES = {  # what is varied, and what must hold within some of it
         {"tracking.peak": (2.0, "um")},
     ),
     "leadscrew_nctf/step": (
-        ("x_axis.M", "x_axis.friction.F_C"),
+        ("x_axis.M", "x_axis.T_c"),
         {"x_residual.span": (0.48, "nm"), "x.overshoot": (0.027, "%")},
     ),
 }
@@ -32,11 +33,14 @@ STUDIES = {  # what is varied, and what must hold within some of it
 
 def written(study: str, folder: Path) -> Path:
     varied, limits = STUDIES[study]
-    lines = [f'base = "{load_scenario(study).file}"', "[expect]"]
+    base = load_scenario(study).file
+    place = folder / "study"
+    copytree(base.parent, place)  # its designs name scenarios beside it
+    lines = [f'base = "{base.name}"', "[expect]"]
     for figure, (most, unit) in limits.items():
         lines.append(f'"{figure}" = {{ below = {most}, unit = "{unit}" }}')
     lines += ["[tolerances]", *(f'"{key}" = "+-20 %"' for key in varied)]
-    file = folder / "study.toml"
+    file = place / "varied.toml"
     file.write_text("\n".join(lines))
     return file
 

@@ -50,3 +50,23 @@ def test_1000_instances_leave_nothing_behind(model: str, tmp_path: Path) -> None
     done = subprocess.run([program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout == "1000 instances\n"
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="zig brings no sanitizers")
+@pytest.mark.parametrize("sanitizers", [SANITIZERS, "-fsanitize=thread"])
+def test_a_channel_touches_only_what_is_its_own_and_in_turn(
+    sanitizers: str, tmp_path: Path
+) -> None:
+    """20,000 steps and a refused one, master and server as threads under gcc's."""
+    program = tmp_path / "host"
+    others = [str(f) for f in SOURCES if f.name in ("turn.c", "kernel.c")]
+    flags = ["-O1", "-g", "-std=gnu11", sanitizers, "-fno-sanitize-recover=all"]
+    command = ["gcc", *flags, str(HOST.with_name("channel_host.c")), *others]
+    subprocess.run(
+        [*command, "-lm", "-pthread", "-o", str(program)],
+        check=True,
+        capture_output=True,
+    )
+    done = subprocess.run([program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout == "20000 steps\n"
