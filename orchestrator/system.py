@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 Scalar: TypeAlias = float | bool | str
 Value: TypeAlias = Scalar | tuple[Scalar, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
+Range: TypeAlias = Literal["saturate", "wrap"]
 FaultKind: TypeAlias = Literal[
     "stuck", "bias", "gain", "delay", "quantisation", "override"
 ]
@@ -26,13 +27,16 @@ class Mapped:
     In the direction of the signal: what reaches the FMU's input or parameter is
     gain * ours + offset, what we read of its output is gain * theirs + offset.
     ``unit`` is that of our side; without it the FMU's own unit is kept.  With a unit
-    and no gain the FMU's unit is converted to it.
+    and no gain the FMU's unit is converted to it.  ``range`` is for integer inputs:
+    what reaches them is rounded to the nearest whole number (half a one upwards) and
+    held at the end of their range, or counted on from its other end.
     """
 
     name: str
     gain: float | None = None
     offset: float | None = None
     unit: str | None = None
+    range: Range | None = None
 
 
 @dataclass(frozen=True)

@@ -227,6 +227,8 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
         return None
     variable = variable.removeprefix("parameters.").removeprefix("start.")
     part = composition.system.components[component]
+    if f"{component}.{variable}" in composition.in_gains:
+        return None  # the gain changes with it
     described = composition.fmus[component].variables
     theirs = part.map[variable].name if variable in part.map else variable
     if theirs not in described or described[theirs].sort != "real":

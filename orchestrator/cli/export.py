@@ -8,7 +8,7 @@ import typer
 
 from orchestrator.cli.completion import run_names
 from orchestrator.cli.output import echo, executing, print_json, waiting
-from orchestrator.cli.run import Fmi, Maps, Sets, Swaps
+from orchestrator.cli.run import Fmi, Json, Maps, Sets, Swaps
 
 
 @executing
@@ -17,14 +17,14 @@ def export(
         str,
         typer.Argument(
             metavar="RUN",
-            help="a folder, or a name that `runs` lists; for .ssp a scenario",
+            help="a folder, or a name that `runs` lists; for .ssp and .fmu a scenario",
             autocompletion=run_names,
         ),
     ],
     output: Annotated[
         Path,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="x.csv, x.mat, x.h5 or x.ssp"
+            "--output", "-o", metavar="FILE", help="x.csv, x.mat, x.h5, x.ssp or x.fmu"
         ),
     ],
     at: Annotated[
@@ -38,20 +38,47 @@ def export(
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
     fmi: Fmi = None,
-    json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    inputs: Annotated[
+        str | None,
+        typer.Option("--inputs", help="free inputs of an .fmu: plant.d,drive.x_r"),
+    ] = None,
+    outputs: Annotated[
+        str | None,
+        typer.Option("--outputs", help="outputs of an .fmu [all that is recorded]"),
+    ] = None,
+    platform: Annotated[
+        list[str],
+        typer.Option("--platform", help="binary of an .fmu (repeatable)"),
+    ] = [],  # noqa: B006
+    json: Json = False,
 ) -> None:
-    """Write the rows of a run (CSV, MAT as Dymola does, HDF5) or a scenario as SSP.
+    """Write the rows of a run (CSV, MAT as Dymola does, HDF5), or a scenario as SSP
+    or one FMU.
 
     The suffix of the file says which.
     """
     from orchestrator.errors import ScenarioError
     from orchestrator.exchange.tables import export as write
 
-    if output.suffix.lower() == ".ssp":
+    scenario_only = (ssp, sets, swap, map, fmi, inputs, outputs, platform)
+    if output.suffix.lower() == ".fmu":
+        if at is not None or ssp is not None or fmi not in (None, 2):
+            raise ScenarioError(
+                f"{output}: a composition becomes an FMU of FMI 2, with --inputs, "
+                f"--outputs and --platform"
+            )
+        ends = _listed(inputs), _listed(outputs)
+        written = _whole(run, sets, swap, map, output, *ends, platform)
+    elif inputs or outputs or platform:
+        raise ScenarioError(
+            f"{output}: --inputs, --outputs and --platform are for a composition as "
+            f"one .fmu"
+        )
+    elif output.suffix.lower() == ".ssp":
         if at is not None:
             raise ScenarioError("--at: chooses rows of a run, and an .ssp holds none")
         written = _package(run, sets, swap, map, fmi, output, ssp)
-    elif ssp is not None or sets or swap or map or fmi is not None:
+    elif any(scenario_only):
         raise ScenarioError(
             f"{output}: --ssp, --set, --swap, --map and --fmi are for a scenario as "
             f".ssp; the rows of a run are written as they are"
@@ -91,6 +118,33 @@ def _package(
     scenario = load(name, sets, swaps, maps, fmi)
     with naming(scenario), waiting(f"building the FMUs of {scenario.name}"):
         return export_ssp(compose(scenario, run_earlier), output, version)
+
+
+def _listed(names: str | None) -> list[str]:
+    return [name.strip() for name in (names or "").split(",") if name.strip()]
+
+
+def _whole(
+    name: str,
+    sets: list[str],
+    swaps: list[str],
+    maps: list[str],
+    output: Path,
+    inputs: list[str],
+    outputs: list[str],
+    platforms: list[str],
+) -> Path:
+    from fmus.compile import platforms_named
+    from orchestrator.cli.running import load
+    from orchestrator.exchange.whole.export import export_whole
+    from orchestrator.scenario.compose import compose
+    from orchestrator.session import naming, run_earlier
+
+    scenario = load(name, sets, swaps, maps, None)
+    wanted = [one for name in platforms for one in platforms_named(name)]
+    with naming(scenario), waiting(f"building {output.name}"):
+        composition = compose(scenario, run_earlier)
+        return export_whole(composition, output, inputs, outputs, wanted)
 
 
 def _folder(name: str) -> Path:

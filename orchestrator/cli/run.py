@@ -78,6 +78,15 @@ Maps = Annotated[
         "'u = {name = \"voltage\", gain = -1}'; one per --swap, in order",
     ),
 ]
+Sockets = Annotated[
+    list[str],
+    typer.Option(
+        "--socket",
+        metavar="NAME",
+        help="objects of a drive before the swapped FMU: csp, csv, cst, telegram_105; "
+        "one per --swap, in order",
+    ),
+]
 Fmi = Annotated[
     int | None, typer.Option("--fmi", help="form in which our models are built: 2 or 3")
 ]
@@ -95,6 +104,7 @@ def run(
     sets: Sets = [],  # noqa: B006 - Typer copies it
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
+    socket: Sockets = [],  # noqa: B006
     map_out: Annotated[
         Path | None,
         typer.Option(
@@ -140,8 +150,8 @@ def run(
             f"signs, and run again with --map {map_out}"
         )
         return
-    original = load_original(scenario, sets, swap, map, fmi) if swap else None
-    loaded = load(scenario, sets, swap, map, fmi, variant)
+    original = load_original(scenario, sets, swap, map, fmi, socket) if swap else None
+    loaded = load(scenario, sets, swap, map, fmi, variant, socket)
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Any] = {}
 
@@ -187,6 +197,7 @@ def schedule(
     sets: Sets = [],  # noqa: B006
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
+    socket: Sockets = [],  # noqa: B006
     fmi: Fmi = None,
     variant: Variant = None,
     json: Json = False,
@@ -198,7 +209,7 @@ def schedule(
     from orchestrator.session import naming
 
     set_up_logs(verbose)
-    loaded = load(scenario, sets, swap, map, fmi, variant)
+    loaded = load(scenario, sets, swap, map, fmi, variant, socket)
     with naming(loaded), waiting("building FMUs"):
         plan = describe_schedule(compose(loaded, None).system)
     if json:

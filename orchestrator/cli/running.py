@@ -1,5 +1,6 @@
 """What several verbs do with a scenario: load it as the options say, and run it."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ def load(
     maps: list[str],
     fmi: int | None,
     variant: str | None = None,
+    sockets: Sequence[str] = (),
 ) -> "Scenario":
     """Return the scenario that the options of a verb describe, or that of a package.
 
@@ -28,13 +30,14 @@ def load(
     from orchestrator.scenario.reading import load_scenario
 
     overrides = [*sets, *([] if fmi is None else [f"fmi={fmi}"])]
+    put = parse_swaps(swaps, maps, sockets)
     if is_package(name):
         from orchestrator.exchange.ssp.load import load_package
 
-        return load_package(name, overrides, parse_swaps(swaps, maps), variant)
+        return load_package(name, overrides, put, variant)
     if variant is not None:
         raise ScenarioError(f"--variant: {name} is no package of several systems")
-    return load_scenario(name, overrides, parse_swaps(swaps, maps))
+    return load_scenario(name, overrides, put)
 
 
 def simulate(scenario: "Scenario", folder: Path | None = None, **options: Any) -> "Run":

@@ -33,6 +33,7 @@ def load_original(
     swaps: list[str],
     maps: list[str],
     fmi: int | None,
+    sockets: Sequence[str] = (),
 ) -> "Scenario":
     """Return the scenario without the swaps, with all else that is set on it.
 
@@ -47,7 +48,7 @@ def load_original(
     from orchestrator.scenario.override import parse_swaps
     from orchestrator.session import naming, run_earlier
 
-    tables = parse_swaps(swaps, maps)
+    tables = parse_swaps(swaps, maps, sockets)
     elsewhere = [text for text in sets if text.partition(".")[0].strip() not in tables]
     original = load(name, elsewhere, [], [], fmi)
     with naming(original), waiting("comparing names"):

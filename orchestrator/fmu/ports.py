@@ -14,6 +14,7 @@ from typing import NamedTuple
 from fmus.units import TurnError, UnitError, base_unit
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, FmuVariable
+from orchestrator.fmu.whole import Whole, whole_of
 from orchestrator.quantities.unit import UndefinedUnit, Unit, conversion
 from orchestrator.system import Component, Mapped
 
@@ -46,7 +47,8 @@ class Port:
     ``[2]``, ``.x``).  Ours and theirs are related by gain and offset in the
     direction of the signal; ``unit`` is that of our side, None if there is none.
     ``doubts`` say what of its map is a guess; with ``asked`` a gain or offset is
-    written there, by which a switch may become a number.
+    written there, by which a switch may become a number.  ``whole`` is what an integer
+    input takes of any number.
     """
 
     component: str
@@ -59,6 +61,7 @@ class Port:
     unit: Unit | None
     doubts: tuple[str, ...] = ()
     asked: bool = False
+    whole: Whole | None = None
 
     @property
     def full_name(self) -> str:
@@ -141,6 +144,7 @@ def _ports(
                 unit,
                 doubts,
                 asked=mapped.gain is not None or mapped.offset is not None,
+                whole=whole_of(component, variable, mapped, fmu.fmi_major),
             )
 
 
@@ -278,9 +282,10 @@ def _check_types(source: Port, sink: Port, ends: str) -> None:
                 f"{refused}: "
                 + (f"{names} is no item there" if names else "it may be no item there")
             )
-    if there.sort == "real" and here.sort != "real":
+    if there.sort == "real" and here.sort != "real" and sink.whole is None:
         raise WiringError(
-            f"{refused}: it would be cut; put a component that rounds between them"
+            f"{refused}: it would be cut; give the input a map with range = "
+            f'"saturate" or "wrap", which rounds, or put a component between them'
         )
 
 

@@ -17,6 +17,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from time import sleep
 from typing import NoReturn
@@ -33,9 +34,16 @@ class _Asked(Exception):
     """The master wants an end."""
 
 
+@cache
 def guards() -> bool:
-    """Tell whether there are guards here."""
-    return sys.platform == "linux" and hasattr(os, "pidfd_open")
+    """Tell whether there are guards here: some containers forbid what they need."""
+    if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
+        return False
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+    except OSError:
+        return False
+    return True
 
 
 def stand_guard(cleared: Callable[[], None]) -> None:

@@ -9,7 +9,7 @@ report, write rows, and be interrupted.
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import addressof, c_void_p, sizeof
 from time import perf_counter
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from orchestrator.master.schedule import Stretch
 from orchestrator.master.timetable import Op, Program, Timetable
 from orchestrator.native import library as c
 from orchestrator.profile import Spent
+from orchestrator.system import Range
 
 CHUNK_S = 0.05
 ARENA = 1 << 16  # bytes; what is used together lies together
@@ -39,6 +40,14 @@ _CODES |= {"advance": _CODES["step"], "tick": _CODES["step"]}
 
 
 _TYPES = {"float64": 0, "int64": 1, "uint64": 2}  # as kernel.c numbers them
+
+
+def _law(copy: Copy) -> tuple[int, float, float]:
+    """Return how a copy keeps whole numbers in a range, as kernel.h numbers it."""
+    whole = copy.whole
+    if whole is None:
+        return 0, 0.0, 0.0
+    return 1 + get_args(Range).index(whole.law), whole.low, whole.high
 
 
 def _sorted(copies: Sequence[Copy]) -> list[Copy]:
@@ -216,6 +225,7 @@ class Kernel:
                             copy.affine.offset,
                             _TYPES[copy.from_],
                             _TYPES[copy.to],
+                            *_law(copy),
                         )
                         for copy in copies
                     ],

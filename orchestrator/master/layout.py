@@ -218,6 +218,7 @@ class Layout:
                 s.variable.dtype,
                 t.variable.dtype,
                 f"{s.full_name} -> {t.full_name}",
+                t.whole,
             )
             for s, t, affine in self.links
             if s.component == name

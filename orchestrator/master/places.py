@@ -15,6 +15,7 @@ from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import Dtype, FmuVariable
 from orchestrator.fmu.ports import Affine
 from orchestrator.fmu.typed import Held
+from orchestrator.fmu.whole import Whole
 
 Views: TypeAlias = Mapping[Dtype, Any]
 RANGES = {"int64": (-(2**63), 2**63 - 1), "uint64": (0, 2**64 - 1)}
@@ -42,14 +43,18 @@ def store(
         seen[dtype][place] = next(taken)
 
 
-def fitted(value: float, affine: Affine, to: Dtype) -> float:
-    """Return gain * value + offset as a number of another type.
+def fitted(
+    value: float, affine: Affine, to: Dtype, whole: Whole | None = None
+) -> float:
+    """Return gain * value + offset as a number of another type, or in its range.
 
     Raises:
         ValueError: it would lose digits, or does not fit; the message says which.
     """
     if affine.converts:
         value = affine.gain * float(value) + affine.offset
+    if whole is not None:
+        return whole.of(float(value))
     if to == "float64":
         if isinstance(value, int) and int(float(value)) != value:
             raise ValueError(
@@ -69,6 +74,8 @@ def fitted(value: float, affine: Affine, to: Dtype) -> float:
 class Copy:
     """vector[sink] = gain * vector[source] + offset; ``ends`` names both.
 
+    With ``whole`` the result is rounded and kept in its range.
+
     ``from_`` and ``to`` are the types of the two places.
     """
 
@@ -78,15 +85,18 @@ class Copy:
     from_: Dtype
     to: Dtype
     ends: str
+    whole: Whole | None = None
 
     @property
     def is_exact(self) -> bool:
         """Tell whether the bits of the place are copied."""
-        return self.from_ == self.to and not self.affine.converts
+        same = self.from_ == self.to and self.whole is None
+        return same and not self.affine.converts
 
     @property
     def is_of_doubles(self) -> bool:
-        return self.from_ == self.to == "float64"
+        """Whether nothing but gain and offset acts between two doubles."""
+        return self.from_ == self.to == "float64" and self.whole is None
 
 
 def carry(copy: Copy, views: Views, t: float) -> None:
@@ -96,7 +106,7 @@ def carry(copy: Copy, views: Views, t: float) -> None:
         SimulationError: it would lose digits there.
     """
     try:
-        value = fitted(views[copy.from_][copy.source], copy.affine, copy.to)
+        value = fitted(views[copy.from_][copy.source], copy.affine, copy.to, copy.whole)
     except ValueError as error:
         raise SimulationError(f"{copy.ends} at t = {t:.9g} s: {error}") from None
     views[copy.to][copy.sink] = value

@@ -105,6 +105,11 @@ def _faulty(
         where = f"faults.{name!r}"
         for port in _ports_of(system, fmus, name, where):
             key = (port.component, port.variable.name)
+            if port.whole is not None:
+                raise WiringError(
+                    f"{where}: {port.full_name} is rounded by its map, on which no "
+                    f"fault acts; put the fault before a component that rounds"
+                )
             edge = brought.get((*key, port.element))
             if edge is None:
                 known = {f"{e.sink}.{e.input}" for e in brought.values()}

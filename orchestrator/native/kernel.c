@@ -42,13 +42,27 @@ static double seconds(const Kernel *kernel, int64_t k) {
     return (double)(k * kernel->tick_num) / (double)kernel->tick_den;
 }
 
+/* Rounds, half a one upwards, and keeps the range; 0 if there is nothing to round. */
+static int bring_into_range(const Copy *c, double v) {
+    double whole = floor(v + 0.5);
+    if (c->law == 1) {
+        *c->sink = whole < c->low ? c->low : whole > c->high ? c->high : whole;
+        return v == v;
+    }
+    if (!(fabs(whole) < 0x1p53))
+        return 0;
+    double span = c->high - c->low + 1, over = fmod(whole - c->low, span);
+    *c->sink = c->low + (over < 0 ? over + span : over);
+    return 1;
+}
+
 /* Between a 64-bit integer and another type; returns 0 if digits would be lost that
    no gain or offset asks to be. */
 static int retype(const Copy *c) {
     int64_t word;
     double v = *c->source;
     memcpy(&word, c->source, sizeof word);
-    int converts = c->gain != 1 || c->offset != 0;
+    int converts = c->gain != 1 || c->offset != 0 || c->law;
     if (!converts && c->from != F64 && c->to != F64) { /* the two integers */
         memcpy(c->sink, &word, sizeof word);
         return word >= 0;
@@ -63,6 +77,8 @@ static int retype(const Copy *c) {
         return 0;
     if (converts)
         v = c->gain * v + c->offset;
+    if (c->law)
+        return bring_into_range(c, v);
     if (c->to == F64) {
         *c->sink = v;
         return 1;

@@ -21,12 +21,14 @@ typedef struct {
     int32_t type, major;
 } Group;
 
-/* `from` and `to` are types: F64, I64 or U64. */
+/* `from` and `to` are types: F64, I64 or U64.  `law` is for whole numbers from low to
+   high: 0 none, 1 saturate, 2 wrap; see orchestrator/fmu/whole.py. */
 typedef struct {
     double *sink;
     const double *source;
     double gain, offset;
-    int32_t from, to;
+    int32_t from, to, law;
+    double low, high;
 } Copy;
 
 /* Some of the values read, all of them doubles. */

@@ -66,6 +66,9 @@ class Copy(ctypes.Structure):
         ("offset", c_double),
         ("from_", c_int32),
         ("to", c_int32),
+        ("law", c_int32),
+        ("low", c_double),
+        ("high", c_double),
     ]
 
 

@@ -198,6 +198,12 @@ def _inputs(wiring: Wiring) -> dict[int, tuple[str, FmuVariable]]:
 def peer_job(wiring: Wiring) -> dict[str, Any]:
     """Return the system as ``peers/child.py`` wants it."""
     outputs, inputs, system = _outputs(wiring), _inputs(wiring), wiring.system
+    for part in wiring.parts.values():
+        for copy in part.copies:
+            if copy.whole is not None:
+                raise ScenarioError(
+                    f"{copy.ends} is rounded into a range, which the other tools cannot"
+                )
     period = next(iter(system.components.values())).period
     return {
         "step": float(period),

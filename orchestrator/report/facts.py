@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.fmu.ports import ports
+from orchestrator.fmu.ports import Port, ports
 from orchestrator.master.faults import describe
 from orchestrator.master.undriven import in_words
 from orchestrator.quantities.quantity import rate
@@ -171,10 +171,18 @@ def _map(component: Component, fmu: FmuDescription) -> str:
                 theirs.causality,
                 theirs.name,
                 theirs.unit or "",
-                f"{given} = {_affine(port.gain, taken, port.offset)}",
+                f"{given} = {_affine(port.gain, taken, port.offset)}{_kept(port)}",
             ]
             rows.append([escape(cell) for cell in row])
     return table(["ours", "unit", "is", "theirs", "unit", "what passes"], rows)
+
+
+def _kept(port: Port) -> str:
+    """Return how a map keeps a whole number in its range."""
+    if port.whole is None:
+        return ""
+    law = {"saturate": "held at", "wrap": "counted on from"}[port.whole.law]
+    return f", rounded, {law} {port.whole.low:.0f} and {port.whole.high:.0f}"
 
 
 def _affine(gain: float, name: str, offset: float) -> str:

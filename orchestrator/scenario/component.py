@@ -3,12 +3,12 @@
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeAlias
 
-import numpy as np
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from orchestrator.evaluation.rates import named_period
 from orchestrator.evaluation.schema import Strict
 from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_time
+from orchestrator.scenario.maps import MapSpec
 from orchestrator.scenario.written import parse_setting
 from orchestrator.signals.recording import AtEnd, Interpolation
 from orchestrator.system import Kind, Value
@@ -16,25 +16,6 @@ from orchestrator.system import Kind, Value
 Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
 Number: TypeAlias = Annotated[Value, PlainValidator(parse_setting)]
-
-
-class MapSpec(Strict):
-    """A foreign variable under our name: theirs, gain, offset, unit of our side.
-
-    A ``value``, in our unit, is one of the component's parameters.
-    """
-
-    name: str
-    gain: float | None = None
-    offset: float | None = None
-    unit: str | None = None
-
-    @field_validator("gain")
-    @classmethod
-    def _passes_something(cls, value: float | None) -> float | None:
-        if value is not None and (value == 0 or not np.isfinite(value)):
-            raise ValueError(f"{value} is no gain: a finite number other than zero")
-        return value
 
 
 class ExperimentSpec(Strict):

@@ -24,9 +24,9 @@ from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantities.quantity import Quantity
 from orchestrator.quantities.unit import Unit
 from orchestrator.result import Result
-from orchestrator.scenario.component import MapSpec
 from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.locate import component_of, locate
+from orchestrator.scenario.maps import MapSpec, with_gains
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import DesignSpec, FaultSpec
 from orchestrator.scenario.stars import open_connections, open_record
@@ -56,7 +56,8 @@ class Composition:
     ``.fmu``; ``digests`` are SHA-256 of the FMU files,
     ``contents`` those of files of signals; ``warnings`` are what its
     user has to know of it, ``not_taken_over`` the scenario's values that a swapped
-    component left, ``undriven`` the inputs that no connection drives.
+    component left, ``undriven`` the inputs that no connection drives,
+    ``in_gains`` the parameters of which gains are made.
     """
 
     scenario: Scenario
@@ -70,6 +71,7 @@ class Composition:
     undriven: tuple[Undriven, ...] = ()
     warnings: tuple[str, ...] = ()
     contents: Mapping[str, str] = field(default_factory=dict)
+    in_gains: frozenset[str] = frozenset()
 
     def parameter(self, name: str) -> Quantity:
         """Return the value and unit of a scalar ``component.parameter``.
@@ -131,11 +133,21 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     for one in left:
         warn(str(one))
     components = {
-        name: component_of(name, specs[name], located[name], nominal.designed[name])
+        name: component_of(
+            name, specs[name], located[name], nominal.designed.get(name, {})
+        )
         for name in specs
     }
     for name, component in components.items():
         refuse_unknown_names(component, fmus[name])
+    actual = Values(list(components), lambda name: (components[name], fmus[name]))
+    in_gains: set[str] = set()
+    for name, spec_of_part in specs.items():
+        component = components[name]
+        components[name], taken = with_gains(
+            component, spec_of_part.map, fmus[name], actual.quantity
+        )
+        in_gains |= taken
     connections, constants = open_connections(spec, components, fmus)
     refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
@@ -154,7 +166,6 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     for note in without_effect(system, fmus):
         warn(note)
     sources = {name: found.source for name, found in located.items()}
-    actual = Values(list(components), lambda name: (components[name], fmus[name]))
     both = actual, nominal
     contents = {name: f.content for name, f in located.items() if f.content}
     return Composition(
@@ -168,6 +179,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
         tuple(left),
         undriven(system, fmus),
         contents=contents,
+        in_gains=frozenset(in_gains),
     )
 
 

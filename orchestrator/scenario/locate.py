@@ -15,7 +15,7 @@ from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import Specification
 from orchestrator.signals.recording import Recording, play
-from orchestrator.system import Component, Experiment, Isolation, Mapped, Value
+from orchestrator.system import Component, Experiment, Isolation, Value
 from orchestrator.warned import warn
 
 
@@ -124,7 +124,7 @@ def component_of(
         offset=spec.offset,
         latency=spec.latency,
         kind=spec.kind,
-        map={k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()},
+        map={name: spec.mapped() for name, spec in spec.map.items()},
         isolation=Isolation(
             None if spec.isolation is None else spec.isolation == "process",
             float(spec.answer_within),

@@ -22,6 +22,7 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
+from orchestrator.scenario.sockets import plugged
 from orchestrator.scenario.written import parse_setting
 from orchestrator.toml import read_toml_text, toml
 
@@ -81,17 +82,23 @@ def parse_override_value(written: str) -> Any:
         return text
 
 
-def parse_swaps(swaps: Sequence[str], maps: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return what ``--swap component=their.fmu`` and ``--map`` put in place.
+def parse_swaps(
+    swaps: Sequence[str], maps: Sequence[str], sockets: Sequence[str] = ()
+) -> dict[str, dict[str, Any]]:
+    """Return what ``--swap component=their.fmu``, ``--map`` and ``--socket`` put in
+    place.
 
-    The n-th map, a TOML file or inline TOML, belongs to the n-th swap.
+    The n-th map, a TOML file or inline TOML, and the n-th socket belong to the n-th
+    swap.
 
     Raises:
-        ScenarioError: no ``component=file``, no such file, a map that is no TOML.
+        ScenarioError: no ``component=file``, no such file, a map that is no TOML, a
+            socket that does not fit.
     """
-    if len(maps) > len(swaps):
-        raise ScenarioError("--map: there are more maps than swaps to use them")
-    found = {}
+    for option, given in (("map", maps), ("socket", sockets)):
+        if len(given) > len(swaps):
+            raise ScenarioError(f"--{option}: there are more {option}s than swaps")
+    found: dict[str, dict[str, Any]] = {}
     for number, text in enumerate(swaps):
         component, equals, fmu = text.partition("=")
         if not equals or not fmu:
@@ -102,6 +109,13 @@ def parse_swaps(swaps: Sequence[str], maps: Sequence[str]) -> dict[str, dict[str
         found[component] = {"fmu": str(Path(fmu).absolute()) if is_file else fmu}
         if number < len(maps):
             found[component]["map"] = parse_map(maps[number])
+        if number < len(sockets):
+            if not fmu.endswith(".fmu"):
+                raise ScenarioError(f"--socket: {fmu} is no .fmu of a drive")
+            put = found[component]
+            found[component] = plugged(
+                component, put["fmu"], put.get("map", {}), sockets[number]
+            )
     return found
 
 

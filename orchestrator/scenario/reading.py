@@ -314,7 +314,17 @@ def _swap(raw: dict[str, Any], component: str, swap: Mapping[str, Any]) -> None:
         )
     old = components[component]
     kept = {key: old[key] for key in (*_KEPT, *TABLES) if key in old}
-    components[component] = _copy({**kept, **swap})
+    beside = swap.get("beside")
+    if beside is not None:  # an adapter, which is sampled, before the FMU
+        kept = {key: kept[key] for key in kept if key not in ("kind", "split")}
+        for name, part in beside["components"].items():
+            if name in components:
+                raise ScenarioError(f"--socket: there is a component {name!r} already")
+            step = {"step": old["step"]} if "step" in old else {}
+            components[name] = {**step, **_copy(part)}
+        raw.setdefault("connections", {}).update(beside["connections"])
+    own = {key: value for key, value in swap.items() if key != "beside"}
+    components[component] = _copy({**kept, **own})
 
 
 def _set_by_map(raw: dict[str, Any]) -> None:

@@ -13,8 +13,9 @@ from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Affine, is_inward, ports
 from orchestrator.quantities.unit import Unit, conversion
-from orchestrator.scenario.component import ComponentSpec, MapSpec
-from orchestrator.system import Component, Mapped, Value
+from orchestrator.scenario.component import ComponentSpec
+from orchestrator.scenario.maps import MapSpec
+from orchestrator.system import Component, Value
 from orchestrator.warned import warn
 
 TABLES = ("parameters", "start")
@@ -100,6 +101,8 @@ class Swap:
     def _in_unit(
         self, name: str, mapped: MapSpec, theirs: FmuVariable, unit: Unit
     ) -> MapSpec:
+        if isinstance(mapped.gain, str):  # worked out later, into this unit
+            return mapped.model_copy(update={"unit": unit})
         given = Affine(mapped.gain or 1.0, mapped.offset or 0.0)
         doubts: tuple[str, ...] = ()
         if theirs.unit is None:
@@ -127,9 +130,7 @@ class Swap:
 
     def _refusal(self, spec: ComponentSpec, name: str) -> str | None:
         """Return why a value cannot be written to the other FMU; None if it can."""
-        maps = {
-            k: Mapped(m.name, m.gain, m.offset, m.unit) for k, m in spec.map.items()
-        }
+        maps = {name: one.mapped() for name, one in spec.map.items()}
         there = Component(self.old.name, self.new_fmu.path, self.old.period, map=maps)
         try:
             found = ports(there, self.new_fmu, name)

@@ -7,9 +7,12 @@ per reader with ``--hostile``, as long as one likes with ``--fuzz-examples``.
 import contextlib
 import json
 import re
+import shutil
+import subprocess
 import zipfile
 from collections.abc import Callable
 from fractions import Fraction
+from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -163,3 +166,30 @@ def test_frames_are_read_or_damaged(fuzzed: Fuzzed) -> None:
         json.loads(text)
 
     fuzzed(changed(seeds, r'"[^"]*"|[\d.]+|[\[\]{},:]|null|true') | st.text(), check)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc brings the sanitizers")
+@pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
+def test_serialised_states_are_taken_or_refused(
+    model: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    fmu = build(str(CORPUS.parents[1] / "fmus" / "small_models" / f"{model}.py"))
+    described = read_fmu(fmu)
+    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
+    with unpacked(fmu) as folder:
+        sources = [*folder.glob("sources/*.c"), CORPUS.parent / "states.c"]
+        command = ["gcc", "-g", "-O1", "-std=gnu11", "-fsanitize=address,undefined"]
+        command += ["-fno-sanitize-recover=all", f"-I{folder / 'sources'}"]
+        command += [f'-DTOKEN="{described.token}"']
+        command += [f"-DINPUT_REFERENCE={described[described.inputs[0]].reference}"]
+        command += [str(file) for file in sources if file.stem != "all"]
+        program = tmp_path / "states"
+        subprocess.run([*command, "-lm", "-o", str(program)], check=True)
+    number = str(int(sha256(seed().encode()).hexdigest()[:8], 16))
+    done = subprocess.run(
+        [program, str(tries), number], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[:3000]
+    told, taken = (int(word.split()[0]) for word in done.stdout.split(","))
+    assert told == tries
+    assert 0 < taken < tries

@@ -18,6 +18,8 @@ from orchestrator.fmu.typed import Held
 from orchestrator.quantities.unit import Unit
 from orchestrator.system import Component
 
+SET = "initialValues"  # one name for all components: Ecos and libcosim choose by it
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -68,9 +70,9 @@ def _scalar(component: Component, fmu: FmuDescription, name: str) -> Port | None
     return found[0]
 
 
-def parameter_set(component: str, found: Iterable[Entry], version: Version) -> Any:
+def parameter_set(found: Iterable[Entry], version: Version) -> Any:
     """Return the document of a parameter set."""
-    made = root("ssv:ParameterSet", "ssv", "ssc", version=version, name=component)
+    made = root("ssv:ParameterSet", "ssv", "ssc", version=version, name=SET)
     parameters = add(made, "ssv:Parameters")
     named: dict[str, Unit] = {}
     for entry in found:

@@ -109,7 +109,7 @@ class _Package:
             values = entries(component, self.fmus[name])
             if not values:
                 continue
-            of_set = parameter_set(name, values, self.version)
+            of_set = parameter_set(values, self.version)
             found[f"resources/{name}.ssv"] = document(of_set)
             mapping = parameter_mapping(values, self.version)
             if mapping is not None:
@@ -136,7 +136,7 @@ class _Package:
         name = self.system.name.rpartition("/")[2]
         made = root(
             "ssd:SystemStructureDescription",
-            *("ssd", "ssc"),
+            *("ssd", "ssc", "osp", "fd"),  # libcosim takes them nowhere else
             version=self.version,
             name=name,
             generationTool=f"feeddrive {version_of('feeddrive-cosim')}",
@@ -161,6 +161,11 @@ class _Package:
         """Return what of each component is connected or recorded, in FMU's order."""
         shown: dict[str, set[str]] = {name: set() for name in self.system.components}
         for source, sink, _ in self.links:
+            if sink.whole is not None:
+                raise ScenarioError(
+                    f"{source.full_name} -> {sink.full_name}: is rounded into a range, "
+                    f"for which SSP has no words; let a component do it"
+                )
             if _kind(source.variable) is None:
                 raise ScenarioError(
                     f"{source.full_name} -> {sink.full_name}: SSP connects outputs and "

@@ -175,7 +175,7 @@ def _unfit(part: Part) -> str | None:
     if driven is not None:
         return f"has its {driven.causality} {driven.name} driven by a connection"
     if not all(c.is_exact or c.is_of_doubles for c in part.copies):
-        return "feeds an integer of 64 bits"
+        return "feeds an integer of 64 bits, or one that a map rounds"
     return None
 
 

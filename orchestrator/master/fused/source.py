@@ -78,9 +78,11 @@ class Source:
         ]
         return "\n".join(
             [
+                "#ifdef KERNEL",
                 "#define _POSIX_C_SOURCE 199309L",
+                "#endif",
                 '#include "engine.h"',
-                "#if W == 1",
+                "#ifdef KERNEL",
                 '#include "kernel.c.h"',
                 '#include "called.h"',
                 "#endif",
@@ -174,7 +176,7 @@ class Source:
 
     def _row(self, table: str) -> Iterator[str]:
         number = self.tables[table]
-        yield "#if W == 1"
+        yield "#ifdef KERNEL"
         yield f"if (K) record(K, K->tables + {number}, t);"
         yield "else"
         yield "#endif"

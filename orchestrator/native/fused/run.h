@@ -7,7 +7,7 @@ EXPORTED int64_t engine_run(Engine *e, int64_t first, int64_t length,
                             int64_t from, int64_t count) {
     int64_t i = from % n, begin = first + from / n * length;
     e->failure = FINE;
-#if W == 1
+#ifdef KERNEL
     if (e->kernel)
         K->full = K->failure = 0;
 #endif
@@ -15,7 +15,7 @@ EXPORTED int64_t engine_run(Engine *e, int64_t first, int64_t length,
         int64_t k = begin + offsets[i];
         if (!carry_out_program(e, programs[i], k, seconds_of(e, k)))
             return done;
-#if W == 1
+#ifdef KERNEL
         if (e->kernel && K->ending) {
             K->failure = ENDED;
             K->part = K->ending - 1;

@@ -2,7 +2,6 @@
 
 import os
 import pickle
-import sys
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -16,6 +15,7 @@ from systems import system
 from orchestrator.errors import SimulationError
 from orchestrator.instances.descendants import MARK
 from orchestrator.instances.frames import Damaged, decode, encode
+from orchestrator.instances.guard import guards
 from orchestrator.instances.logs import LogMessage
 from orchestrator.master.simulate import Choice, simulate
 from orchestrator.result import Result
@@ -23,7 +23,7 @@ from orchestrator.system import Component, Isolation
 from orchestrator.warned import collecting
 
 pytestmark = pytest.mark.skipif(
-    sys.platform != "linux", reason="the hostile FMU and its traces are of Linux"
+    not guards(), reason="the hostile FMU, its traces and its guard are of Linux"
 )
 EXECUTORS: list[Choice] = ["kernel", "python"]
 WITHIN = 2.0  # s, answer_within
@@ -97,6 +97,19 @@ def test_what_it_prints_and_logs_steers_no_terminal(
     assert "\\x1b[2Jprinted\n" in printed
     assert "\\x1b]0;evil\\x07\\x1b[2J" in caplog.text
     assert "\x1b" not in printed + caplog.text
+
+
+def test_where_the_system_forbids_what_guards_need_there_are_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def forbidden(_: int) -> int:
+        raise PermissionError(1, "pidfd_open")
+
+    monkeypatch.setattr(os, "pidfd_open", forbidden)
+    guards.cache_clear()
+    assert not guards()
+    monkeypatch.undo()
+    guards.cache_clear()
 
 
 def test_one_that_stops_itself_is_late(tmp_path: Path) -> None:

@@ -112,6 +112,33 @@ def alien(tmp_path: Path) -> System:
     )
 
 
+def rounded(tmp_path: Path) -> System:
+    """A slope that saturates at the end of a range, and one that is counted on."""
+    given = alien(tmp_path)
+    gain, laws = 2.0**31 / 3.3, {"one": "saturate", "two": "wrap"}
+    parts = {
+        name: replace(
+            given.components["alien"],
+            name=name,
+            map={"in": Mapped("in_Integer", gain, 0.3, range=law)},  # type: ignore[arg-type]
+        )
+        for name, law in laws.items()
+    }
+    return replace(
+        given,
+        components={
+            "a": given.components["a"],
+            "b": part("b", "counter", "1/1000"),
+            **parts,
+        },
+        connections={f"{name}.in": "a.k" for name in parts},
+        record={
+            name: (Fraction(1, 1000),)
+            for name in ("one.out_Integer", "two.out_Integer", "b.k")
+        },
+    )
+
+
 def apart(tmp_path: Path) -> System:
     given = alien(tmp_path)
     other = replace(given.components["alien"], isolation=Isolation(process=True))
@@ -191,6 +218,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "offset": lambda _: pair(offset=Fraction(1, 3000)),
     "latency": lambda _: pair(latency=2),
     "gain and offset of a map": lambda _: pair(map={"u": Mapped("u", -2.0, 0.5)}),
+    "whole numbers in a range of a map": rounded,
     "one signal at several rates": lambda _: twice(),
     "dead time and own integration": lambda _: lag(),
     "faults": lambda _: all_faults(),

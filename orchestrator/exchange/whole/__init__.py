@@ -1,0 +1,1 @@
+"""A composition as one FMU, its timetable and our models compiled in."""
