@@ -8,7 +8,7 @@ import typer
 
 from orchestrator.cli.fit import bracket
 from orchestrator.cli.output import (
-    command,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -24,7 +24,7 @@ HEAD = ["value", ">before", ">tuned", ">bracket from", ">to", "unit"]
 FIGURES = ["figure", ">before", ">tuned"]
 
 
-@command
+@executing
 def tune(
     scenario: ScenarioName,
     free: Annotated[
