@@ -88,9 +88,7 @@ def held() -> None:
     figure.savefig(HERE / "pictures" / "sweep.png", dpi=110)
 
 
-def composed(
-    file: Path | str, values: Mapping[str, float] | None = None
-) -> Composition:
+def composed(file: Path | str, values: Mapping[str, Any] | None = None) -> Composition:
     """Return a scenario with values, composed."""
     sets = [f"{name}={value!r}" for name, value in (values or {}).items()]
     return compose(load_scenario(file, sets), run_earlier)

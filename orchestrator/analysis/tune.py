@@ -17,7 +17,7 @@ from orchestrator.analysis.candidates import BAD, Constraint, Judge, Judged
 from orchestrator.analysis.fit import Bracket, Free, free_values
 from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.members import Workers
-from orchestrator.analysis.variations import Axis
+from orchestrator.analysis.variations import Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
 from orchestrator.response.expected import specified
 from orchestrator.response.figures import figures as response_figures
@@ -83,6 +83,7 @@ def free_of(
 
 
 Progress = Callable[[int, Real, Judged], None]
+Recompose = Callable[[Mapping[str, Setting]], Composition]
 
 
 def tune(
@@ -94,7 +95,7 @@ def tune(
     *,
     seed: int = 1,
     generations: int = GENERATIONS,
-    recompose: Callable[[Mapping[str, float]], Composition],
+    recompose: Recompose,
     progress: Progress = lambda generation, x, judged: None,
 ) -> Tuned:
     """Find values of ``free`` that make ``objective`` least and keep ``constraints``.
@@ -114,7 +115,7 @@ def tune(
         for _ in range(ROUNDS):
             x = _polished(judge, free, x)
             after = _measured(judge, recompose, free, x)
-            pairs = zip(constraints, judge.constraints, strict=True)
+            pairs = list(zip(constraints, judge.constraints, strict=True))
             tighter = tuple(_tightened(*pair, after) for pair in pairs)
             if tighter == judge.constraints:
                 break
@@ -125,8 +126,9 @@ def tune(
                 f"no candidate keeps {' and '.join(c.figure for c in constraints)} "
                 f"in every variation; widen --bounds or lower a bound"
             )
+        nominal = _full(judge, recompose, _named(free, x))
         margins = {
-            key: (q.value, response_figures(name, after[name])[key].value)
+            key: (q.value, response_figures(name, nominal[name])[key].value)
             for name, one in judge.full.items()
             for key, q in response_figures(name, one).items()
         }
@@ -136,7 +138,7 @@ def tune(
             start,
             found,
             margins,
-            (judge.full, after),
+            (judge.full, nominal),
             judge.evaluations,
         )
     finally:
@@ -254,28 +256,43 @@ def _polished(judge: Judge, free: Sequence[Free], x: Real) -> Real:
     return space.values(found.x)
 
 
-def _measured(
-    judge: Judge,
-    recompose: Callable[[Mapping[str, float]], Composition],
-    free: Sequence[Free],
-    x: Real,
+def _named(free: Sequence[Free], x: Real) -> dict[str, Setting]:
+    return {f.name: float(v) for f, v in zip(free, x, strict=True)}
+
+
+def _full(
+    judge: Judge, recompose: Recompose, values: Mapping[str, Setting]
 ) -> dict[str, Response]:
+    """Measure what bounds are about, in full, with these values."""
     if not judge.full:
         return {}
-    there = recompose({f.name: float(v) for f, v in zip(free, x, strict=True)})
+    there = recompose(values)
     responses = judge.composition.scenario.spec.responses
     return {name: specified(there, responses[name]) for name in judge.full}
 
 
+def _measured(
+    judge: Judge, recompose: Recompose, free: Sequence[Free], x: Real
+) -> list[dict[str, Response]]:
+    """Measure in full in every variation."""
+    found = _named(free, x)
+    return [_full(judge, recompose, {**found, **v}) for v in judge.variations]
+
+
 def _tightened(
-    wanted: Constraint, now: Constraint, after: Mapping[str, Response]
+    wanted: Constraint, now: Constraint, after: Sequence[Mapping[str, Response]]
 ) -> Constraint:
     """Return the bound as it is ``now``, or further by what ``wanted`` is missed by."""
     owner = wanted.figure.rpartition(".")[0]
-    if owner not in after:
-        return now
-    value = response_figures(owner, after[owner])[wanted.figure].value
-    short = wanted.sign * (wanted.bound - value)
+    short = max(
+        (
+            wanted.sign
+            * (wanted.bound - response_figures(owner, of[owner])[wanted.figure].value)
+            for of in after
+            if owner in of
+        ),
+        default=0.0,
+    )
     if short <= 0:
         return now
     return Constraint(now.figure, now.sign, now.bound + 1.2 * now.sign * short)

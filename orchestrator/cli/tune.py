@@ -18,6 +18,7 @@ from orchestrator.cli.run import Json, ScenarioName, Verbose
 
 if TYPE_CHECKING:
     from orchestrator.analysis.tune import Tuned
+    from orchestrator.analysis.variations import Setting
     from orchestrator.scenario.compose import Composition
 
 HEAD = ["value", ">before", ">tuned", ">bracket from", ">to", "unit"]
@@ -77,8 +78,8 @@ def tune(
     loaded = load_scenario(scenario)
     target = output or Path(f"{loaded.file.stem}_tuned.toml")
 
-    def recompose(values: Mapping[str, float]) -> "Composition":
-        sets = [f"{name}={value!r}" for name, value in values.items()]
+    def recompose(values: "Mapping[str, Setting]") -> "Composition":
+        sets = [f"{name}={value}" for name, value in values.items()]
         return compose(load_scenario(loaded.file, sets), run_earlier)
 
     with naming(loaded), waiting(f"tuning {loaded.name}"):

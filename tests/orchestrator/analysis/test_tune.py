@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ loop = { break = "controller.u", from = "4 Hz" }
 BOUND = "loop.modulus_margin >= 0.4"
 
 
-def composed(file: Path, values: Mapping[str, float] | None = None) -> Composition:
+def composed(file: Path, values: Mapping[str, Any] | None = None) -> Composition:
     sets = [f"{name}={value!r}" for name, value in (values or {}).items()]
     return compose(load_scenario(file, sets), run_earlier)
 
