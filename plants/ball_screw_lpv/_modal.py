@@ -29,10 +29,15 @@ def motion(
 ) -> State:
     """Return ẋ with the inertia J_e (kg m²)."""
     f = motor_force(u.v_m, u.f_m, x.v, amplifier, friction, rigid.r_g)
+    return rates(x, f, u.f_c, mode, J_e, rigid)
+
+
+def rates(x: State, f: Any, f_c: Any, mode: Mode, J_e: Any, rigid: Rigid) -> State:
+    """Return ẋ under forces on the motor side, f, and on the table, f_c (N)."""
     b_0, b_1 = force_on_table(mode)
-    a = (rigid.r_g * rigid.r_g * (f + u.f_c) - rigid.B_e * x.v) / J_e
+    a = (rigid.r_g * rigid.r_g * (f + f_c) - rigid.B_e * x.v) / J_e
     spring = mode.omega * mode.omega * x.q + 2 * mode.zeta * mode.omega * x.q_1
-    return State(x.v, a, x.q_1 + b_0 * u.f_c, f + b_1 * u.f_c - spring)
+    return State(x.v, a, x.q_1 + b_0 * f_c, f + b_1 * f_c - spring)
 
 
 def positions(x: State, mode: Mode, x_0: Any) -> Output:

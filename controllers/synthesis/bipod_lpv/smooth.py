@@ -11,7 +11,8 @@ import numpy as np
 from controllers.synthesis.bipod_lpv import single
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.problem import Values
-from controllers.synthesis.lpv.smooth import Sided, Smooth, Switching, begin
+from controllers.synthesis.lpv.smooth import Smooth, begin
+from controllers.synthesis.lpv.switching import Sided, Switching
 from controllers.synthesis.lpv.systems import Matrix
 from plants.bipod._mechanism import Links
 

@@ -190,7 +190,8 @@ def _gain(
         plant = units.plant(design.problem.plant(point.rho))
         Y = found.at(region.basis.values(point.rho))
         # at the optimum [X I; I Y] is singular: a solver's rounding is no refusal
-        if coupling(found.X, Y) < -1e-6:
+        rounding = max(1e-6, 1e-9 * float(np.trace(found.X) + np.trace(Y)))
+        if coupling(found.X, Y) < -rounding:
             return float("inf")
         worst = max(worst, gain_of_x(plant, found.X, decay))
         for rate in point.rates:

@@ -15,7 +15,7 @@ Source: Hanifzadegan 2014, sec. 6.2, 6.3, eq. 6.14, 6.19, 6.35 to 6.40.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -23,38 +23,11 @@ from scipy.linalg import block_diag
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.elimination import minimise, solver_package, weighted
 from controllers.synthesis.lpv.inequalities import Storage, gain_of_loop, storage
-from controllers.synthesis.lpv.problem import Basis, PlantAt, Values
+from controllers.synthesis.lpv.problem import Values
 from controllers.synthesis.lpv.reconstruction import controller
+from controllers.synthesis.lpv.switching import Sided, Switching
 from controllers.synthesis.lpv.systems import Matrix, System, transformed
 from controllers.synthesis.lpv.transition import share
-
-
-class Sided(NamedTuple):
-    """A value of ρ with one rate; ``side`` ±1 tells which slope an end takes."""
-
-    rho: Values
-    rate: Values
-    side: int = 0
-
-
-@dataclass(frozen=True)
-class Switching:
-    """What a descent is told besides its start.
-
-    The first parameter switches between ``low`` and ``high``; ``K_basis`` gives f,
-    ``P_basis`` p and its rates; the inequalities hold at ``points``.  ``back_off`` is
-    that of γ; P stays above ``least``, where the start's P is the unit.
-    """
-
-    plant: PlantAt
-    low: float
-    high: float
-    K_basis: Callable[[Values], Matrix]
-    P_basis: Basis
-    points: tuple[Sided, ...]
-    decay: float
-    back_off: float = 1.01
-    least: float = 1e-4
 
 
 @dataclass(frozen=True)
@@ -155,22 +128,58 @@ def find_P(design: Smooth) -> Smooth:
     return replace(design, P=found, history=(*design.history, gamma))
 
 
-def find_K(design: Smooth) -> Smooth:
-    """Return the design with the K of least γ, P as it is (step 2)."""
+def find_K(design: Smooth, eta: float | None = None) -> Smooth:
+    """Return the design with the K of least γ, P as it is (step 2).
+
+    ``eta`` bounds the rate of K as of ``rate_bound`` (6.30); None leaves it free.
+    """
     cp = solver_package()
+    K, terms, rates = _unknown_K(cp, design)
+    bounds = [] if eta is None else _slower(cp, rates, eta)
+    gamma = _least(cp, design, terms, bounds)
+    return _with_K(design, K, gamma)
+
+
+def find_slow_K(design: Smooth, relaxed: float = 1.02) -> Smooth:
+    """Return the design with the K of least η at ``relaxed`` times γ (6.46)."""
+    cp = solver_package()
+    K, terms, rates = _unknown_K(cp, design)
+    eta, gamma = cp.Variable(), relaxed * design.history[-1]
+    bounded = _demanded(cp, design, terms, gamma / design.start.units.gain, 0.0)
+    minimise(cp, cp.Minimize(eta), bounded + _slower(cp, rates, eta))
+    return _with_K(design, K, gamma)
+
+
+def _unknown_K(cp: Any, design: Smooth) -> tuple[list[Any], Any, list[Any]]:
+    """Return unknown matrices K_ik, the terms of F1 in them, and K's rates."""
     shape = design.K.shape
     K = [cp.Variable(shape[2:]) for _ in range(shape[0] * shape[1])]
     P = design.P.reshape(-1, *design.P.shape[2:])
 
+    def factors(rho: Values) -> Matrix:
+        return np.outer(design.shares(rho[0]), design.problem.K_basis(rho)).ravel()
+
     def terms(point: Sided) -> tuple[Any, Any, Any]:
         values, rates = _factors(design, point)
-        f = design.problem.K_basis(point.rho)
-        shares = np.outer(design.shares(point.rho[0]), f).ravel()
-        loop = _open_loop(design, point.rho, weighted(K, shares))
+        loop = _open_loop(design, point.rho, weighted(K, factors(point.rho)))
         return np.tensordot(values, P, 1), np.tensordot(rates, P, 1), loop
 
-    gamma = _least(cp, design, terms, [])
-    found = np.array([M.value for M in K]).reshape(shape)
+    time = design.start.units.time
+    changes = [time * _change(factors, point) for point in design.problem.points]
+    return K, terms, [weighted(K, change) for change in changes]
+
+
+def _slower(cp: Any, rates: list[Any], eta: Any) -> list[Any]:
+    """Return F3: no rate of K exceeds η."""
+    found = []
+    for M in rates:
+        m, n = M.shape
+        found.append(cp.bmat([[eta * np.eye(m), M], [M.T, eta * np.eye(n)]]) >> 0)
+    return found
+
+
+def _with_K(design: Smooth, K: list[Any], gamma: float) -> Smooth:
+    found = np.array([M.value for M in K]).reshape(design.K.shape)
     return replace(design, K=found, history=(*design.history, gamma))
 
 
@@ -200,40 +209,27 @@ def rate_bound(design: Smooth, points: Sequence[Sided], step: float = 1e-6) -> f
     """
     worst = 0.0
     for point in points:
-        ahead, behind = (
-            tuple(
-                r + sign * step * v for r, v in zip(point.rho, point.rate, strict=True)
-            )
-            for sign in (1, -1)
-        )
-        change = _joined(design.controller(ahead)) - _joined(design.controller(behind))
-        worst = max(worst, float(np.linalg.norm(change, 2)) / (2 * step))
+        change = _change(lambda rho: _joined(design.controller(rho)), point, step)
+        worst = max(worst, float(np.linalg.norm(change, 2)))
     return worst * design.start.units.time
+
+
+def _change(of: Callable[[Values], Matrix], point: Sided, step: float = 1e-6) -> Matrix:
+    """Return the rate (1/s) at which a matrix over ρ changes at a point."""
+    ahead, behind = (
+        tuple(r + sign * step * v for r, v in zip(point.rho, point.rate, strict=True))
+        for sign in (1, -1)
+    )
+    return np.asarray((of(ahead) - of(behind)) / (2 * step))
 
 
 def _least(
     cp: Any, design: Smooth, terms: Callable[[Sided], Any], others: list[Any]
 ) -> float:
     """Minimise γ, back off, and leave the unknowns where the margin is largest."""
-    decay = design.problem.decay * design.start.units.time
 
     def inequalities(gamma: Any, margin: Any) -> list[Any]:
-        found = list(others)
-        for point in design.problem.points:
-            P, rate, loop = terms(point)
-            T = _congruence(design, point.rho)
-            Q = P @ loop.A + (P @ loop.A).T + 2 * decay * P + rate
-            V, W = T.T @ P @ loop.B, T.T @ loop.C.T
-            m, p = V.shape[1], W.shape[1]
-            M = cp.bmat(
-                [
-                    [T.T @ Q @ T, V, W],
-                    [V.T, -gamma * np.eye(m), loop.D.T],
-                    [W.T, loop.D, -gamma * np.eye(p)],
-                ]
-            )
-            found.append((M + M.T) / 2 << -margin * np.eye(M.shape[0]))
-        return found
+        return others + _demanded(cp, design, terms, gamma, margin)
 
     gamma, margin = cp.Variable(), cp.Variable()
     minimise(cp, cp.Minimize(gamma), inequalities(gamma, 0.0))
@@ -241,6 +237,28 @@ def _least(
     bounded = [*inequalities(design.problem.back_off * least, margin), margin <= 1e-2]
     minimise(cp, cp.Maximize(margin), bounded)
     return least * design.start.units.gain
+
+
+def _demanded(
+    cp: Any, design: Smooth, terms: Callable[[Sided], Any], gamma: Any, margin: Any
+) -> list[Any]:
+    """Return F1 at all points of the design, decay included."""
+    decay, found = design.problem.decay * design.start.units.time, []
+    for point in design.problem.points:
+        P, rate, loop = terms(point)
+        T = _congruence(design, point.rho)
+        Q = P @ loop.A + (P @ loop.A).T + 2 * decay * P + rate
+        V, W = T.T @ P @ loop.B, T.T @ loop.C.T
+        m, p = V.shape[1], W.shape[1]
+        M = cp.bmat(
+            [
+                [T.T @ Q @ T, V, W],
+                [V.T, -gamma * np.eye(m), loop.D.T],
+                [W.T, loop.D, -gamma * np.eye(p)],
+            ]
+        )
+        found.append((M + M.T) / 2 << -margin * np.eye(M.shape[0]))
+    return found
 
 
 def _factors(design: Smooth, point: Sided) -> tuple[Matrix, Matrix]:

@@ -13,7 +13,8 @@ import numpy as np
 
 from controllers.synthesis.lpv import shipped
 from controllers.synthesis.lpv.problem import Values
-from controllers.synthesis.lpv.smooth import Sided, Smooth, certified, rate_bound
+from controllers.synthesis.lpv.smooth import Smooth, certified, rate_bound
+from controllers.synthesis.lpv.switching import Sided
 from controllers.synthesis.lpv.systems import System, continuous, transformed, tustin
 from controllers.synthesis.lpv.table import (
     Table,

@@ -2,6 +2,10 @@
 
 k_undisturbed   K(x_c) with the disturbance all but off
 k_disturbed     the same with the disturbance as printed
+k_hysteresis    two controllers, switched with hysteresis, a file each
+k_smooth        two controllers and their smooth blend, by the source's descent
+
+the last two also as ``..._disturbed``, where the descent ends with its first step.
 """
 
 import json
@@ -15,14 +19,18 @@ import controllers.serial
 from controllers.synthesis.lpv import shipped, smooth_file
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point, grid
-from controllers.synthesis.lpv.smooth import descend
+from controllers.synthesis.lpv.smooth import Smooth, descend, find_P, find_slow_K
 from controllers.synthesis.serial_lpv import single, smooth
 
 FOLDER = Path(controllers.serial.__file__).parent
 NAMES = ["x_c"]
-STEPS = 2  # of the descent's step 1; the third stops the solver
-AXIS = tuple(float(x) for x in np.linspace(0.2, 0.6, 41))
+TRANSITION = np.linspace(smooth.LOW, smooth.HIGH, 17)  # K is affine outside
+AXIS = (0.2, 0.29, *(float(x) for x in TRANSITION), 0.51, 0.6)
+SCALE = {"": single.UNDISTURBED, "_disturbed": 1.0}  # of the disturbance
+STEPS = {"": 4, "_disturbed": 1}  # of the descent's step 1; step 2 stops the latter
+RELAXED = 1.01  # of γ, for the least rate of K
 DISTURBANCE = {"k_undisturbed": single.UNDISTURBED, "k_disturbed": 1.0}
+SINGLE = {"": "k_undisturbed", "_disturbed": "k_disturbed"}
 
 
 def read(name: str) -> Design:
@@ -41,31 +49,66 @@ def verdict(found: Design) -> Verdict:
     return verify(found, (dense(),))
 
 
-def smooth_content() -> Mapping[str, Any]:
-    """Return the file of the smooth design."""
-    content: Mapping[str, Any] = json.loads((FOLDER / "k_smooth.json").read_text())
+def read_hysteresis(case: str = "") -> Design:
+    """Return the shipped design of two controllers; ``case`` as of ``SCALE``."""
+    files = [json.loads((FOLDER / file).read_text()) for file in _hysteresis(case)]
+    return shipped.read(single.hysteresis(SCALE[case]), files, NAMES)
+
+
+def hysteresis_dense(n: int = 45) -> tuple[tuple[Point, ...], ...]:
+    """Return the grids on which both regions are judged."""
+    reach = ((0.2, single.HIGH), (single.LOW, 0.6))
+    return tuple(grid(np.linspace(*ends, n), rates=[single.SPEED]) for ends in reach)
+
+
+def smooth_content(case: str = "") -> Mapping[str, Any]:
+    """Return the file of a smooth design; ``case`` as of ``SCALE``."""
+    file = FOLDER / f"k_smooth{case}.json"
+    content: Mapping[str, Any] = json.loads(file.read_text())
     return content
 
 
-def _made_smooth() -> dict[str, str]:
-    found = descend(smooth.start(read("k_undisturbed")), STEPS)
+def smooth_start(case: str = "") -> Smooth:
+    """Return what the descent starts from; ``case`` as of ``SCALE``."""
+    return smooth.start(read(SINGLE[case]), SCALE[case])
+
+
+def _hysteresis(case: str) -> list[str]:
+    return [f"k_hysteresis{case}_{i}.json" for i in (1, 2)]
+
+
+def _made_smooth(case: str) -> dict[str, str]:
+    found = descend(smooth_start(case), STEPS[case])
+    if not case:  # the option (6.46), and step 1 once more
+        found = find_P(find_slow_K(found, RELAXED))
     text = smooth_file.text(found, NAMES, (AXIS,), single.T_S, smooth.dense())
-    return {"k_smooth.json": text}
+    return {f"k_smooth{case}.json": text}
 
 
-def _made(name: str) -> dict[str, str]:
-    about = {
+def _made_hysteresis(case: str) -> dict[str, str]:
+    problem, files = single.hysteresis(SCALE[case]), _hysteresis(case)
+    return shipped.make(problem, hysteresis_dense(), NAMES, files, _about(SCALE[case]))
+
+
+def _about(disturbance: float) -> dict[str, Any]:
+    return {
         "W_e": single.W_E,
         "W_f": single.W_F,
         "W_v": single.W_V,
-        "disturbance": DISTURBANCE[name],
+        "disturbance": disturbance,
     }
-    problem = single.problem(DISTURBANCE[name])
+
+
+def _made(name: str) -> dict[str, str]:
+    problem, about = single.problem(DISTURBANCE[name]), _about(DISTURBANCE[name])
     return shipped.make(problem, (dense(),), NAMES, [f"{name}.json"], about)
 
 
 DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
     "k_undisturbed": lambda: _made("k_undisturbed"),
     "k_disturbed": lambda: _made("k_disturbed"),
-    "k_smooth": _made_smooth,
+    "k_hysteresis": lambda: _made_hysteresis(""),
+    "k_hysteresis_disturbed": lambda: _made_hysteresis("_disturbed"),
+    "k_smooth": lambda: _made_smooth(""),
+    "k_smooth_disturbed": lambda: _made_smooth("_disturbed"),
 }

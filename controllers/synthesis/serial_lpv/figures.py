@@ -1,6 +1,7 @@
 """Figures of the serial machine's designs, from the shipped tables."""
 
 from controllers.synthesis.lpv import smooth_file
+from controllers.synthesis.lpv.design import verify
 from controllers.synthesis.lpv.frozen import frozen_optima
 from controllers.synthesis.serial_lpv import designs, single, smooth
 
@@ -21,8 +22,18 @@ def certified(name: str = "k_undisturbed") -> dict[str, float]:
     }
 
 
-def smooth_switching() -> dict[str, float]:
-    """Return the dense γ of the smooth design and of its table, η before and after."""
-    begun = smooth.start(designs.read("k_undisturbed"))
-    content = designs.smooth_content()
+def hysteresis(case: str = "") -> dict[str, float]:
+    """Return γ, the dense γ of either region, and that of its table."""
+    verdict = verify(designs.read_hysteresis(case), designs.hysteresis_dense())
+    return {
+        "gamma": verdict.gamma,
+        "dense_1": verdict.dense[0],
+        "dense_2": verdict.dense[1],
+        "table": max(verdict.table),
+    }
+
+
+def smooth_switching(case: str = "") -> dict[str, float]:
+    """Return the dense γ of a smooth design and of its table, η before and after."""
+    content, begun = designs.smooth_content(case), designs.smooth_start(case)
     return smooth_file.verified(content, begun, designs.NAMES, smooth.dense())

@@ -1,6 +1,6 @@
 """Smooth switching of the serial machine's axis, by the source's descent.
 
-Regions x_c <= 0.38 m and x_c >= 0.42 m; K and P affine in x_c, disturbance off.
+Regions x_c <= 0.38 m and x_c >= 0.42 m; K and P affine in x_c.
 
 Source: Hanifzadegan 2014, sec. 7.1.1.
 """
@@ -9,19 +9,20 @@ import numpy as np
 
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.problem import polynomial
-from controllers.synthesis.lpv.smooth import Sided, Smooth, Switching, begin
+from controllers.synthesis.lpv.smooth import Smooth, begin
+from controllers.synthesis.lpv.switching import Sided, Switching
 from controllers.synthesis.serial_lpv import single
 
-LOW, HIGH = 0.38, 0.42  # m
+LOW, HIGH = single.LOW, single.HIGH
 BELOW, INSIDE = (0.2, 0.245, 0.29, 0.335), (0.39, 0.4, 0.41)
 ABOVE = (0.465, 0.51, 0.555, 0.6)
 DECAY = 0.05  # 1/s
 
 
-def problem() -> Switching:
-    """Return what the descent is told."""
+def problem(disturbance: float = single.UNDISTURBED) -> Switching:
+    """Return what the descent is told; ``disturbance`` scales f."""
     return Switching(
-        plant=single.plant(single.UNDISTURBED),
+        plant=single.plant(disturbance),
         low=LOW,
         high=HIGH,
         K_basis=lambda rho: np.array([1.0, (rho[0] - 0.4) / 0.2]),
@@ -31,13 +32,13 @@ def problem() -> Switching:
     )
 
 
-def start(design: Design) -> Smooth:
-    """Return step 0 from a single LPV design."""
+def start(design: Design, disturbance: float = single.UNDISTURBED) -> Smooth:
+    """Return step 0 from a single LPV design for the same ``disturbance``."""
     fits = [
         [(float(x),) for x in np.linspace(*ends, 21)]
         for ends in ((0.2, HIGH), (LOW, 0.6))
     ]
-    return begin(problem(), design, (0.4,), fits)
+    return begin(problem(disturbance), design, (0.4,), fits)
 
 
 def points(

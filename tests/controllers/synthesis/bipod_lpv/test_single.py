@@ -94,3 +94,11 @@ def test_hysteresis_has_a_synthesis_of_its_own_that_certifies() -> None:
     assert found["gamma"] == pytest.approx(115.8, rel=0.01)
     assert max(found["dense"], found["table"]) <= 123
     assert found["links"] <= 0
+
+
+def test_the_smooth_loop_is_softest_where_the_source_has_it() -> None:
+    """Fig. 7.15: about 270 rad/s, and S between -110 and -150 dB at low frequency."""
+    found = figures.responses(72.7)
+    assert -150 < found["S_1"] < -110
+    assert found["omega_peak"] == pytest.approx(270, rel=0.05)
+    assert found["T_peak"] == pytest.approx(found["T_270"], abs=0.1)

@@ -36,5 +36,16 @@ def test_shipped_designs_certify_with_their_tables(
 
 def test_the_smooth_blend_certifies_and_turns_more_slowly_than_its_start() -> None:
     found = figures.smooth_switching()
+    steps = designs.smooth_content()["design"]["history"][::2]
+    assert list(steps) == sorted(steps, reverse=True)
     assert 15.5 < found["dense"] <= 1.02 * 16.7
-    assert found["eta"] < found["eta_begun"]
+    assert found["table"] <= 1.02 * 16.7
+    assert found["eta"] < found["eta_begun"] / 100
+
+
+@pytest.mark.parametrize(("case", "dense"), [("", 17.5), ("_disturbed", 27)])
+def test_two_controllers_with_hysteresis_certify_with_their_tables(
+    case: str, dense: float
+) -> None:
+    found = figures.hysteresis(case)
+    assert max(found["dense_1"], found["dense_2"], found["table"]) <= dense

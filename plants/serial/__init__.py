@@ -1,0 +1,1 @@
+"""Serial x-y machine of two ball-screw axes."""
