@@ -6,14 +6,8 @@ from typing import Any
 from orchestrator.scenario.takeover import TABLES
 
 REMOVABLE = (
-    "components",
-    "connections",
-    "faults",
-    "design",
-    "record",
-    "metrics",
-    "responses",
-    "expect",
+    *("components", "connections", "faults", "design"),
+    *("record", "metrics", "responses", "expect"),
 )
 
 
