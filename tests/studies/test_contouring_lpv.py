@@ -7,7 +7,7 @@ import pytest
 from orchestrator.reproduction.reproduce import reproduce
 
 
-@pytest.mark.parametrize("only", ["table_8*", "rose.*", "space.*"])
+@pytest.mark.parametrize("only", ["table_8*", "rose.[lp]*", "space.*"])
 def test_figures_are_within_the_tolerances_of_the_study(
     only: str, tmp_path: Path
 ) -> None:

@@ -37,7 +37,7 @@ TURN = 11.0  # rad/s, largest rate of θ
 FASTEST = 1000.0  # rad/s: modes beyond are left out of the design
 T_S = 1 / 4000  # s
 ORDER = 4  # harmonics of the table
-PRICE = 3e-8  # of the traces: more makes smaller errors and loses the certificate
+PRICE = 4.5e-8  # of the traces: more makes smaller errors and loses the certificate
 BASIS = Basis(
     lambda rho: np.array([1.0, np.cos(rho[0]), np.sin(rho[0])]),
     lambda rho, rate: rate[0] * np.array([0.0, -np.sin(rho[0]), np.cos(rho[0])]),

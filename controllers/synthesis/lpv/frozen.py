@@ -80,8 +80,8 @@ def of_control(
     scaled = [units.plant(p) for p in plants]
     bound = max(optimum(p, COARSE).gamma for p in scaled) * gain / (1 + COARSE)
     X = np.mean([riccati(p, BACK_OFF)[0] for p in scaled], axis=0)
-    size, U = np.linalg.eigh((X + X.T) / 2)
-    return replace(units, T=units.T @ (U / np.sqrt(size)) @ U.T), bound
+    L = np.linalg.cholesky((X + X.T) / 2)
+    return replace(units, T=units.T @ np.linalg.inv(L).T), bound
 
 
 def balancing(P: Matrix, Q: Matrix) -> Matrix:

@@ -232,7 +232,7 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h,
     (void)final;
     if (s->state.mode != RUNNING || !(h > 0))
         return fail(s, "doStep takes a positive step, after initialisation", "");
-    if (s->state.aligned && fabs(ticks - (double)n) < 1e-3)
+    if (s->state.aligned && n > 0 && fabs(ticks - (double)n) < 1e-3)
         target = s->state.now + n;
     else {
         s->state.aligned = 0;

@@ -155,6 +155,16 @@ def test_nanoseconds_lose_no_tick(tmp_path: Path) -> None:
     assert whole.rows(Fraction(83_333, 10**9), 1200) == expected
 
 
+def test_steps_shorter_than_a_tick_are_not_lost(tmp_path: Path) -> None:
+    """Two thousand steps of a two-thousandth of a tick are one tick."""
+    whole = exported(THREE_RATES, tmp_path)
+    whole.begin()
+    expected = whole.rows(Fraction(1, 12000), 2)[-1]
+    whole.fmu.reset()
+    whole.begin()
+    assert whole.rows(Fraction(1, 24_000_000), 4000)[-1] == expected
+
+
 def test_an_outside_input_acts_at_the_step_it_is_set(tmp_path: Path) -> None:
     """A tone given from outside to a continuous part equals the tone inside."""
     text = THREE_RATES.replace('offset = "1/3000"\nlatency = 2\n', "")

@@ -51,7 +51,7 @@ def test_frozen_directions_bound_every_design(theta: float, gamma: float) -> Non
 
 
 def test_the_shipped_series_certifies_all_around() -> None:
-    """γ 37944 is where the solver stops; the bound is that of θ = 0."""
+    """γ 37163 is where the solver stops; the bound is that of θ = 0."""
     found = figures.certified()
     assert figures.frozen(0.0) <= found["gamma"] <= 1.02 * 37261
     assert found["dense"] <= 41000
