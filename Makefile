@@ -41,3 +41,4 @@ clean:
 
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py
+	$(BIN)/python docs/make_loop_pictures.py

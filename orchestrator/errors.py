@@ -48,6 +48,10 @@ class ResponseError(FeedDriveError):
     """A composition has no such loop, or its response cannot be measured."""
 
 
+class TuneError(FeedDriveError):
+    """What is to be tuned is not there, or no values keep the constraints."""
+
+
 class SimulationError(FeedDriveError):
     """A run failed after it had begun; what was recorded stays readable."""
 

@@ -2,23 +2,17 @@
 
 import json
 import re
-import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from printed import blocks, typed
 
 from fmus.build import build
 from orchestrator.scenario.reading import load_scenario
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
-
-
-def blocks(text: str, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
 COMMANDS = [
@@ -28,16 +22,6 @@ COMMANDS = [
 
 SWAP = [c for c in COMMANDS if "their" in c]
 ALONE = [c for c in COMMANDS if c.startswith("feeddrive") and c not in SWAP]
-
-
-def typed(line: str, folder: Path) -> str:
-    """Run a command in a folder and return what it printed."""
-    command = [sys.executable, "-m", "orchestrator", *shlex.split(line)[1:]]
-    done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.mark.parametrize("line", ALONE)

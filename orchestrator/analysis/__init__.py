@@ -1,1 +1,1 @@
-"""Questions put to a scenario many times over: sweeps."""
+"""Questions put to a scenario many times over: sweeps, fits, tuning."""

@@ -8,13 +8,13 @@ not used, but run and compared: what holds there was not merely adapted to.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from os.path import relpath
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.analysis.estimate import Estimate, estimate, lag_1
+from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.measured import Measured
 from orchestrator.analysis.members import split
 from orchestrator.errors import FitError
@@ -239,20 +239,6 @@ def _words(
 
 def scenario_of(composition: Composition, found: Fit, data: Path, target: Path) -> Path:
     """Write the scenario that inherits from the fitted one and has the values found."""
-    import tomli_w
-
-    components: dict[str, dict[str, dict[str, float]]] = {}
-    for name, told in found.values().items():
-        component, variable = split_name(name)
-        table = "start" if variable.startswith("state.") else "parameters"
-        tables = components.setdefault(component, {})
-        tables.setdefault(table, {})[variable] = float(str(told["value"]))
-    file = composition.scenario.file.resolve()
-    target.parent.mkdir(parents=True, exist_ok=True)
-    written = {
-        "base": Path(relpath(file, target.parent.resolve())).as_posix(),
-        "title": f"{composition.scenario.name} fitted to {data.name}",
-        "components": components,
-    }
-    target.write_bytes(tomli_w.dumps(written).encode())
-    return target
+    values = {name: float(str(told["value"])) for name, told in found.values().items()}
+    title = f"{composition.scenario.name} fitted to {data.name}"
+    return write_heir(composition, values, title, target)

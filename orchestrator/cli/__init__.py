@@ -26,6 +26,7 @@ from orchestrator.cli import (
     second_opinion,
     study,
     sweep,
+    tune,
     verify,
 )
 
@@ -70,6 +71,7 @@ for verb in (
     runs.runs,
     sweep.sweep,
     response.response,
+    tune.tune,
     fit.fit,
     export.export,
     study.reproduce,

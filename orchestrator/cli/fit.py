@@ -72,7 +72,7 @@ def fit(
         composition = compose(loaded, run_earlier)
         measured = beside(composition, data, rate=period, interpolation=how)
         names = [name.strip() for name in free.split(",") if name.strip()]
-        wanted = free_values(composition, names, dict(map(_bracket, bounds)))
+        wanted = free_values(composition, names, dict(map(bracket, bounds)))
         found = fitted(composition, measured, wanted, unused)
     target = output or Path(f"{loaded.file.stem}_fitted.toml")
     scenario_of(composition, found, data, target)
@@ -89,7 +89,8 @@ def fit(
     echo(f"scenario: {target}\nreport: {page}")
 
 
-def _bracket(text: str) -> "tuple[str, Bracket]":
+def bracket(text: str) -> "tuple[str, Bracket]":
+    """Return the name and the ends of ``plant.m_2=0.1e-3:1e-3``."""
     from orchestrator.errors import ScenarioError
 
     name, _, written = text.partition("=")

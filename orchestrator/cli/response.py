@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.output import (
-    command,
+    executing,
     print_json,
     print_table,
     set_up_logs,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 LATENCY = ["samples more", ">phase margin (deg)", ">gain margin (dB)", ">s_max"]
 
 
-@command
+@executing
 def response(
     scenario: ScenarioName,
     broken: Annotated[

@@ -86,18 +86,22 @@ class Bench:
             known = rows
         return self._twin[known][:, :rows]
 
-    def _run(self, values: Sequence[Real | None], n: int, periods: int) -> Real:
+    def system(self, values: Sequence[Real | None], n: int, periods: int) -> System:
+        """Return the composition with these injections, recorded at its breaks."""
         injections: dict[str, Injection] = {}
         for broken, given in zip(self.breaks, values, strict=True):
             if given is not None:
                 for sink, gain in broken.sinks:
                     injections[sink] = Injection(tuple((gain * given).tolist()))
-        system = replace(
+        return replace(
             self.composition.system,
             stop=self._offset + periods * n * self.rates.T,
             record={b.name: (self.rates.T,) for b in self.breaks},
             injections=injections,
         )
+
+    def _run(self, values: Sequence[Real | None], n: int, periods: int) -> Real:
+        system = self.system(values, n, periods)
         signals = frozenset(b.name for b in self.breaks)
         series = Series(plan(system), signals, self._loaded)
         try:

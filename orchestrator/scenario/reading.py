@@ -32,14 +32,8 @@ from orchestrator.toml import read_toml_text, toml
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
 REMOVABLE = (
-    "components",
-    "connections",
-    "faults",
-    "design",
-    "record",
-    "metrics",
-    "responses",
-    "expect",
+    *("components", "connections", "faults", "design"),
+    *("record", "metrics", "responses", "expect"),
 )
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 HEIRS = 50  # files in a row, each the base of the next

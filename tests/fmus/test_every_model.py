@@ -12,10 +12,10 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy import read_model_description
-from fmpy.validation import validate_fmu
 from modules import EXCHANGED, MODULES
 from scipy.integrate import solve_ivp
 from subject import Instance, Subject, subject
+from valid import problems
 
 from fmus.build import build
 
@@ -112,13 +112,13 @@ def compare_run(s: Subject, fmu: Path, fmi: int, folder: Path) -> None:
 def test_native_fmus_are_valid_and_repeat_numpy_over_a_trajectory(module, tmp_path):
     for fmi in (2, 3):
         fmu = build(module, fmi=fmi)
-        assert validate_fmu(str(fmu)) == []
+        assert problems(fmu) == []
         compare_run(subject(module), fmu, fmi, tmp_path / str(fmi))
 
 
 def test_python_fmu_is_valid_and_repeats_numpy_over_a_trajectory(further, tmp_path):
     fmu = build(further, kind="python")
-    assert validate_fmu(str(fmu)) == []
+    assert problems(fmu) == []
     compare_run(subject(further), fmu, 2, tmp_path / "python")
 
 

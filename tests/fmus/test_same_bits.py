@@ -99,7 +99,8 @@ def run(
     command: Sequence[str], lines: dict[str, list[str]], list_file: Path
 ) -> dict[str, list[Walk]]:
     list_file.write_text("\n".join(line for each in lines.values() for line in each))
-    told = f"Z:{list_file}" if "wine" in command[0] else str(list_file)
+    wine = Path(command[0]).name.startswith("wine")
+    told = f"Z:{list_file}" if wine else str(list_file)
     quiet = os.environ | {
         "WINEDEBUG": "-all",
         "WINEPREFIX": str(list_file.parent / "w"),

@@ -17,7 +17,7 @@ from controllers.synthesis.linearise import linearise
 from controllers.synthesis.multivariable import respond
 from controllers.xy_table import p_pi
 from orchestrator.response.bench import bench
-from orchestrator.response.excitation import spectra
+from orchestrator.response.excitation import Form, spectra
 from orchestrator.response.figures import to_frd, words
 from orchestrator.response.measure import measure
 from plants.xy_table import axis
@@ -88,6 +88,42 @@ def test_a_break_faster_than_its_loop_gives_the_fundamental_per_line() -> None:
             last = at.responses([d], 9)[0, -n:]
             S = 1 + spectra(last, n, [line])[0, 0] / 0.1
             assert decibels(S, fast.S[i, 0, 0]) < 1e-3
+
+
+@pytest.mark.parametrize("form", ["chirp", "stepped"])
+def test_every_excitation_finds_the_same_loop(form: Form) -> None:
+    table, low = composed(TABLE), Fraction(16)
+    many = measure(table, ["controller.u"], lowest=low, quick=True)
+    other = measure(
+        table, ["controller.u"], lowest=1 / many.period, form=form, quick=True
+    )
+    common = np.isin(other.hz, many.hz)
+    assert np.sum(common) > 5
+    S = many.S[np.isin(many.hz, other.hz), 0, 0]
+    assert np.max(np.abs(other.S[common, 0, 0] / S - 1)) < 1e-6
+
+
+@pytest.mark.parametrize("broken", ["position.v_c", "velocity.v", "plant.x_1"])
+def test_a_cascade_of_three_rates_is_that_of_one_sine_at_a_time(
+    broken: str, request: pytest.FixtureRequest
+) -> None:
+    """20 kHz plant, 4 kHz velocity, 1 kHz position: broken at each of them."""
+    if not request.config.getoption("--every-form"):
+        pytest.skip("--every-form measures three rates")
+    cascade = composed(
+        "ball_screw_pole_placement/p_pi_split_track_500",
+        "position.step=1/1000",
+        "velocity.step=1/4000",
+    )
+    found = measure(cascade, [broken])
+    assert found.slower == (None if broken == "position.v_c" else "position.v_c")
+    with bench(cascade, [broken]) as at:
+        n, size = int(found.period / at.rates.T), found.amplitude[0] / 10
+        for i in range(3, len(found.hz), len(found.hz) // 7):
+            line = round(found.hz[i] * float(found.period))
+            d = size * np.cos(2 * np.pi * line * np.arange(n) / n)
+            B = spectra(at.responses([d], 4)[0, -n:], n, [line])[0, 0]
+            assert decibels(1 + B / size, found.S[i, 0, 0]) < 1e-3
 
 
 def test_friction_is_told_by_distortion_and_by_half_the_amplitude() -> None:

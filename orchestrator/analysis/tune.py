@@ -1,0 +1,304 @@
+"""Gains that minimise a figure: differential evolution over lanes, then a polish.
+
+A generation is one batch of candidates (``candidates``).  What is found is measured
+in full; if it misses a bound by the quick look's error, the bound is tightened by
+that and the polish repeated.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.analysis.candidates import BAD, Constraint, Judge, Judged
+from orchestrator.analysis.fit import Bracket, Free, free_values
+from orchestrator.analysis.heir import write_heir
+from orchestrator.analysis.members import Workers
+from orchestrator.analysis.variations import Axis, Setting
+from orchestrator.errors import TuneError, did_you_mean
+from orchestrator.response.expected import specified
+from orchestrator.response.figures import figures as response_figures
+from orchestrator.response.measure import Response
+from orchestrator.scenario.compose import Composition
+from orchestrator.scenario.responses import FIGURES
+from orchestrator.system import split_name
+
+Real = NDArray[np.float64]
+
+POPULATION = 8  # candidates per free value, at least 24 in all
+GENERATIONS = 40
+ALIKE = 1e-3  # spread of a population's objectives at which it has converged
+POLISH = 60  # evaluations
+ROUNDS = 4  # of tightening a bound that a full measurement finds missed
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The values found (n,), before and after, and how many runs it took."""
+
+    free: tuple[Free, ...]
+    values: Real
+    start: Judged
+    found: Judged
+    margins: Mapping[str, tuple[float, float]]
+    responses: tuple[Mapping[str, Response], Mapping[str, Response]]
+    evaluations: int
+
+    def best(self) -> dict[str, float]:
+        return {f.name: float(v) for f, v in zip(self.free, self.values, strict=True)}
+
+
+def matching(composition: Composition, pattern: str) -> list[str]:
+    """Return the real parameters that ``controller.K_*`` stands for.
+
+    Raises:
+        TuneError: there are none.
+    """
+    owner, wanted = split_name(pattern)
+    if "*" not in pattern:
+        return [pattern]
+    if owner not in composition.fmus:
+        known = did_you_mean(owner, composition.fmus)
+        raise TuneError(f"--free {pattern}: no component {owner!r}; {known}")
+    variables = composition.fmus[owner].variables
+    names = [
+        f"{owner}.{name}"
+        for name, v in variables.items()
+        if v.causality == "parameter" and v.sort == "real" and fnmatchcase(name, wanted)
+    ]
+    if not names:
+        raise TuneError(f"--free {pattern}: matches no real parameter of {owner}")
+    return names
+
+
+def free_of(
+    composition: Composition, patterns: Sequence[str], bounds: Mapping[str, Bracket]
+) -> tuple[Free, ...]:
+    """Return what is free to be tuned, with brackets given or about its start."""
+    names = [n for pattern in patterns for n in matching(composition, pattern)]
+    return free_values(composition, list(dict.fromkeys(names)), bounds)
+
+
+Progress = Callable[[int, Real, Judged], None]
+Recompose = Callable[[Mapping[str, Setting]], Composition]
+
+
+def tune(
+    composition: Composition,
+    free: Sequence[Free],
+    objective: str,
+    constraints: Sequence[Constraint] = (),
+    over: Sequence[Axis] = (),
+    *,
+    seed: int = 1,
+    generations: int = GENERATIONS,
+    recompose: Recompose,
+    progress: Progress = lambda generation, x, judged: None,
+) -> Tuned:
+    """Find values of ``free`` that make ``objective`` least and keep ``constraints``.
+
+    ``progress`` is told the best so far after each generation; ``recompose`` gives
+    the composition with values, which is measured in full at the end.
+
+    Raises:
+        TuneError: unknown figures, or no candidate keeps the constraints.
+    """
+    _refuse_unknown(composition, objective, constraints)
+    workers = Workers()
+    judge = Judge(composition, free, objective, constraints, over, workers)
+    try:
+        start = judge.judge(np.array([[f.start for f in free]]), run_all=True)[0]
+        x = _evolved(judge, free, seed, generations, progress)
+        for _ in range(ROUNDS):
+            x = _polished(judge, free, x)
+            after = _measured(judge, recompose, free, x)
+            pairs = list(zip(constraints, judge.constraints, strict=True))
+            tighter = tuple(_tightened(*pair, after) for pair in pairs)
+            if tighter == judge.constraints:
+                break
+            judge.constraints = tighter
+        found = judge.judge(x[None])[0]
+        if found.missed > 0 or not np.isfinite(found.objective):
+            raise TuneError(
+                f"no candidate keeps {' and '.join(c.figure for c in constraints)} "
+                f"in every variation; widen --bounds or lower a bound"
+            )
+        nominal = _full(judge, recompose, _named(free, x))
+        margins = {
+            key: (q.value, response_figures(name, nominal[name])[key].value)
+            for name, one in judge.full.items()
+            for key, q in response_figures(name, one).items()
+        }
+        return Tuned(
+            tuple(free),
+            x,
+            start,
+            found,
+            margins,
+            (judge.full, nominal),
+            judge.evaluations,
+        )
+    finally:
+        judge.close()
+        workers.close()
+
+
+def _refuse_unknown(
+    composition: Composition, objective: str, constraints: Sequence[Constraint]
+) -> None:
+    spec = composition.scenario.spec
+    owner = objective.rpartition(".")[0]
+    if owner not in spec.metrics:
+        raise TuneError(
+            f"--minimise {objective}: no such metric; "
+            f"{did_you_mean(owner, spec.metrics)}"
+        )
+    for c in constraints:
+        owner, _, figure = c.figure.rpartition(".")
+        if owner in spec.responses and figure not in FIGURES:
+            remedy = did_you_mean(figure, FIGURES)
+            raise TuneError(f"--subject-to {c.figure}: no such figure; {remedy}")
+        if owner not in spec.responses and owner not in spec.metrics:
+            known = did_you_mean(owner, {*spec.metrics, *spec.responses})
+            raise TuneError(
+                f"--subject-to {c.figure}: neither a metric nor one of [responses]; "
+                f"{known}"
+            )
+
+
+class Space:
+    """Brackets as [0, 1] each: in ratios where one is positive, else in differences."""
+
+    def __init__(self, free: Sequence[Free]) -> None:
+        self._low, self._high = np.array([f.bracket for f in free]).T
+        self._ratio = self._low > 0
+
+    def values(self, u: Real) -> Real:
+        """Return the values at places u (..., n)."""
+        low, high = np.where(self._ratio, (self._low, self._high), 1.0)
+        even = self._low + (self._high - self._low) * u
+        return np.asarray(np.where(self._ratio, low * (high / low) ** u, even))
+
+    def places(self, x: Real) -> Real:
+        """Return the places of values x (n,)."""
+        low, high, at = np.where(
+            self._ratio, (self._low, self._high, x), [[1], [2], [1]]
+        )
+        even = (x - self._low) / (self._high - self._low)
+        return np.asarray(
+            np.where(self._ratio, np.log(at / low) / np.log(high / low), even)
+        )
+
+
+def _evolved(
+    judge: Judge, free: Sequence[Free], seed: int, generations: int, progress: Progress
+) -> Real:
+    from scipy.optimize import differential_evolution
+
+    space, generation = Space(free), 0
+    best: list[tuple[float, Real, Judged]] = []
+
+    def objective(u: Real) -> Real:
+        nonlocal generation, best
+        candidates = space.values(u.T)
+        judged = judge.judge(candidates)
+        ranks = np.array([j.rank for j in judged])
+        i = int(np.argmin(ranks))
+        if not best or ranks[i] < best[0][0]:
+            best = [(float(ranks[i]), candidates[i], judged[i])]
+        progress(generation, best[0][1], best[0][2])
+        generation += 1
+        return ranks
+
+    n = len(free)
+    differential_evolution(
+        objective,
+        [(0.0, 1.0)] * n,
+        vectorized=True,
+        updating="deferred",
+        seed=seed,
+        popsize=max(POPULATION, -(-24 // n)),
+        maxiter=generations,
+        tol=ALIKE,
+        polish=False,
+        init="sobol",
+    )
+    return best[0][1]
+
+
+def _polished(judge: Judge, free: Sequence[Free], x: Real) -> Real:
+    from scipy.optimize import minimize
+
+    space = Space(free)
+    u = space.places(x)
+
+    def objective(v: Real) -> float:
+        outside = float(np.sum(np.maximum(0, v - 1) + np.maximum(0, -v)))
+        if outside:
+            return BAD * (1 + outside)
+        return judge.judge(space.values(v)[None])[0].rank
+
+    steps = 0.02 * np.diag(np.where(u > 0.5, -1.0, 1.0))
+    found = minimize(
+        objective,
+        u,
+        method="Nelder-Mead",
+        options={
+            "maxfev": POLISH,
+            "initial_simplex": np.vstack([u, u + steps]),
+            "xatol": 1e-4,
+            "fatol": 1e-9,
+        },
+    )
+    return space.values(found.x)
+
+
+def _named(free: Sequence[Free], x: Real) -> dict[str, Setting]:
+    return {f.name: float(v) for f, v in zip(free, x, strict=True)}
+
+
+def _full(
+    judge: Judge, recompose: Recompose, values: Mapping[str, Setting]
+) -> dict[str, Response]:
+    """Measure what bounds are about, in full, with these values."""
+    if not judge.full:
+        return {}
+    there = recompose(values)
+    responses = judge.composition.scenario.spec.responses
+    return {name: specified(there, responses[name]) for name in judge.full}
+
+
+def _measured(
+    judge: Judge, recompose: Recompose, free: Sequence[Free], x: Real
+) -> list[dict[str, Response]]:
+    """Measure in full in every variation."""
+    found = _named(free, x)
+    return [_full(judge, recompose, {**found, **v}) for v in judge.variations]
+
+
+def _tightened(
+    wanted: Constraint, now: Constraint, after: Sequence[Mapping[str, Response]]
+) -> Constraint:
+    """Return the bound as it is ``now``, or further by what ``wanted`` is missed by."""
+    owner = wanted.figure.rpartition(".")[0]
+    short = max(
+        (
+            wanted.sign
+            * (wanted.bound - response_figures(owner, of[owner])[wanted.figure].value)
+            for of in after
+            if owner in of
+        ),
+        default=0.0,
+    )
+    if short <= 0:
+        return now
+    return Constraint(now.figure, now.sign, now.bound + 1.2 * now.sign * short)
+
+
+def scenario_of(composition: Composition, found: Tuned, target: Path) -> Path:
+    """Write the scenario that inherits from the tuned one and has the values found."""
+    title = f"{composition.scenario.name} tuned"
+    return write_heir(composition, found.best(), title, target)

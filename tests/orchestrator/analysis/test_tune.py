@@ -1,0 +1,151 @@
+"""Tuned gains keep what they are subject to, and no independent search is better."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.analysis.candidates import Constraint, parse_constraint
+from orchestrator.analysis.fit import Free
+from orchestrator.analysis.sweep import sweep
+from orchestrator.analysis.tune import Space, free_of, tune
+from orchestrator.analysis.variations import Axis
+from orchestrator.cli import app
+from orchestrator.errors import FitError, TuneError
+from orchestrator.response.expected import respond
+from orchestrator.scenario.compose import Composition, compose
+from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import run, run_earlier
+
+SCENARIO = """
+base = "cascade_nppi/p_pi_0_4hz"
+stop = "1/2"
+metrics.tracking.window = ["1/4", "1/2"]
+
+[responses]
+loop = { break = "controller.u", from = "4 Hz" }
+"""
+BOUND = "loop.modulus_margin >= 0.4"
+
+
+def composed(file: Path, values: Mapping[str, Any] | None = None) -> Composition:
+    sets = [f"{name}={value!r}" for name, value in (values or {}).items()]
+    return compose(load_scenario(file, sets), run_earlier)
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    file = tmp_path / "table.toml"
+    file.write_text(SCENARIO)
+    return file
+
+
+def test_tuned_gains_keep_their_margin_in_the_worst_variation(
+    scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is found is run, measured and swept once more by other means."""
+    monkeypatch.chdir(scenario.parent)
+    asked = ["--free", "controller.k_v,controller.k_p", "--minimise", "tracking.peak"]
+    asked += ["--subject-to", BOUND, "--over", "plant.b=+-10%", "--generations", "4"]
+    done = CliRunner().invoke(app, ["tune", str(scenario), *asked, "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    heir = Path(told["scenario"])
+    assert told["best"].keys() == {"controller.k_v", "controller.k_p"}
+    figures = respond(composed(heir)).figures
+    assert figures["loop.modulus_margin"].value >= 0.4
+    values = tuple(np.linspace(0.9, 1.1, 3) * 78020.0)
+    rows = sweep(heir, [Axis("plant.b", values)]).rows
+    peaks = [row["tracking.peak"] for row in rows]
+    assert max(peaks) == pytest.approx(told["objective"], rel=1e-9)
+    assert told["worst_case"]["plant.b"] == pytest.approx(values[np.argmax(peaks)])
+    assert told["before"] > 0
+    page = heir.with_suffix(".html").read_text()
+    assert "before controller.u" in page
+    assert "tuned controller.u" in page
+
+
+def test_a_published_scenario_is_inherited_from_by_its_name(tmp_path: Path) -> None:
+    from orchestrator.analysis.heir import write_heir
+
+    published = compose(load_scenario("cascade_nppi/p_pi_0_4hz"), run_earlier)
+    heir = write_heir(
+        published, {"controller.k_v": 200.0}, "slower", tmp_path / "h.toml"
+    )
+    assert 'base = "cascade_nppi/p_pi_0_4hz"' in heir.read_text()
+    done = run(heir, tmp_path / "run", report=False)
+    assert done.composition.parameter("controller.k_v").value == 200.0
+
+
+def test_no_values_that_keep_the_bounds_are_told_as_such(scenario: Path) -> None:
+    composition = composed(scenario)
+    free = free_of(composition, ["controller.k_v"], {"controller.k_v": (200.0, 250.0)})
+    with pytest.raises(TuneError, match="no candidate keeps loop"):
+        tune(
+            composition,
+            free,
+            "tracking.peak",
+            [Constraint("loop.modulus_margin", 1, 0.95)],
+            generations=1,
+            recompose=lambda values: composed(scenario, values),
+        )
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("loop.s_max <= 2", Constraint("loop.s_max", -1, 2.0)),
+        ("tracking.peak>=1e-3", Constraint("tracking.peak", 1, 1e-3)),
+    ],
+)
+def test_bounds_are_read(text: str, found: Constraint) -> None:
+    assert parse_constraint(text) == found
+
+
+def test_a_bound_written_otherwise_is_refused() -> None:
+    with pytest.raises(TuneError, match="write "):
+        parse_constraint("loop.s_max < two")
+
+
+def test_what_is_missed_is_measured_in_shares_of_the_bound() -> None:
+    above = Constraint("loop.modulus_margin", 1, 0.5)
+    assert above.missed(0.6) == 0
+    assert above.missed(0.4) == pytest.approx(0.2)
+    assert Constraint("loop.s_max", -1, 2.0).missed(3.0) == pytest.approx(0.5)
+
+
+def test_free_names_may_be_patterns(scenario: Path) -> None:
+    names = [f.name for f in free_of(composed(scenario), ["controller.k_*"], {})]
+    assert names == ["controller.k_v", "controller.k_p", "controller.k_i"]
+    with pytest.raises(TuneError, match="matches no real parameter"):
+        free_of(composed(scenario), ["controller.q_*"], {})
+    with pytest.raises(FitError, match="not among"):
+        free_of(composed(scenario), ["controller.k_v"], {"controller.k_p": (1, 2)})
+
+
+def test_unknown_figures_are_refused(scenario: Path) -> None:
+    composition = composed(scenario)
+    free = free_of(composition, ["controller.k_v"], {})
+    for objective, bound, complaint in (
+        ("trackin.peak", None, "no such metric"),
+        ("tracking.peak", Constraint("loop.s_mx", -1, 2.0), "no such figure"),
+        ("tracking.peak", Constraint("lop.s_max", -1, 2.0), "neither"),
+    ):
+        with pytest.raises(TuneError, match=complaint):
+            tune(
+                composition,
+                free,
+                objective,
+                [bound] if bound else [],
+                recompose=lambda values: composition,
+            )
+
+
+def test_brackets_are_searched_in_ratios_where_they_are_positive() -> None:
+    space = Space([Free("a", 1.0, (0.1, 10.0), "1"), Free("b", 0.0, (-1.0, 1.0), "1")])
+    assert space.values(np.array([0.5, 0.5])) == pytest.approx([1.0, 0.0])
+    assert space.places(np.array([1.0, 0.5])) == pytest.approx([0.5, 0.75])
