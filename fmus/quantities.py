@@ -58,6 +58,7 @@ KINDS = {
     "A.s": Kind(None, 1e-2),
     "N.s": Kind(None, 1.0),
     "N.s2": Kind(None, 1e-2),
+    "1/s": Kind(None, 1e6),  # increments of an encoder
     "1": Kind(None, 1.0),
 }
 # what a display unit is of the unit: shown = factor * value
