@@ -58,7 +58,7 @@ KINDS = {
     "A.s": Kind(None, 1e-2),
     "N.s": Kind(None, 1.0),
     "N.s2": Kind(None, 1e-2),
-    "1/s": Kind(None, 1e6),  # increments of an encoder
+    "1/s": Kind("Frequency", 1e6),  # increments of an encoder; a gain has none
     "1": Kind(None, 1.0),
 }
 # what a display unit is of the unit: shown = factor * value
@@ -135,4 +135,6 @@ def why_empty(variable: Variable, cell: str) -> str | None:
 
 
 def _kind(variable: Variable) -> Kind:
+    if variable.var.unit == "1/s" and variable.block not in SIGNALS:
+        return Kind()
     return KINDS.get(variable.var.unit, Kind())
