@@ -25,7 +25,7 @@ from fmus.model import Continuous, Model, Record, is_record, leaves
 from fmus.returned import called, pair_of, record_of
 
 # of fmus/native/elementary.h, instead of the C library's
-OWN = "exp|expm1|log|sin|cos|tan|sinh|cosh|tanh|pow|fmin|fmax"
+OWN = "exp|expm1|log|sin|cos|tan|atan|sinh|cosh|tanh|pow|fmin|fmax"
 # what importers of CasADi's own kind would ask the C code
 UNNEEDED = (
     r"(?ms)^CASADI_SYMBOL_EXPORT [^\n]*\{(?: return [^\n]*)?\}\n+",

@@ -80,6 +80,32 @@ static inline double own_tanh(double x) {
     return own_with_sign(a < 1e-8 ? a : q.hi, x);
 }
 
+/* atan of the nearest of 0, 1/2, 1, 3/2 and infinity, and fdlibm's polynomial of
+   what is between. */
+static inline double own_atan(double x) {
+    double a = fabs(x), t, hi, lo, z, w, even, odd;
+    int least = a < 0.4375, half = a < 0.6875, one = a < 1.1875, more = a < 2.4375;
+    double top = least ? a : half ? 2.0 * a - 1.0 : one ? a - 1.0 : more ? a - 1.5 : -1.0;
+    double down = least ? 1.0 : half ? 2.0 + a : one ? a + 1.0 : more ? 1.0 + 1.5 * a : a;
+    t = top / down;
+    hi = least ? 0.0 : half ? 0.4636476090008061 : one ? 0.7853981633974483
+                     : more ? 0.982793723247329 : 1.5707963267948966;
+    lo = least ? 0.0 : half ? 2.2698777452961687e-17 : one ? 3.061616997868383e-17
+                     : more ? 1.3903311031230998e-17 : 6.123233995736766e-17;
+    z = t * t;
+    w = z * z;
+    even = z * (0.3333333333333293 +
+                w * (0.14285714272503466 +
+                     w * (0.09090887133436507 +
+                          w * (0.06661073137387531 +
+                               w * (0.049768779946159324 + w * 0.016285820115365782)))));
+    odd = w * (-0.19999999999876483 +
+               w * (-0.11111110405462356 +
+                    w * (-0.0769187620504483 +
+                         w * (-0.058335701337905735 + w * -0.036531572744216916))));
+    return own_with_sign(hi - ((t * (even + odd) - lo) - t), x);
+}
+
 static inline double own_sinh(double x) {
     double a = fabs(x), small = a > 22.0 ? 22.0 : a;
     OwnSum e = own_expm1_sum(small), d = own_add(1.0, e.hi);

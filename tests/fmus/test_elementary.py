@@ -16,12 +16,13 @@ from subject import subject
 
 from fmus.compile import PLATFORMS, host_platform
 from fmus.tangent import tangent
-from fmus.trace import c_code
+from fmus.trace import OWN, c_code
 
 NATIVE = Path(__file__).parents[2] / "fmus" / "native"
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=undefined"]
 ZIG += ["-target", PLATFORMS[host_platform()].triple]
-FUNCTIONS = ("exp", "expm1", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "pow")
+FUNCTIONS = ("exp", "expm1", "log", "sin", "cos", "tan", "atan", "tanh", "sinh", "cosh")
+FUNCTIONS += ("pow",)
 ONE = [name for name in FUNCTIONS if name != "pow"]
 # exact by IEEE 754, hence the same in every C library
 EXACT = {"floor", "ceil", "fabs", "sqrt"}
@@ -132,7 +133,8 @@ def test_at_the_edges_they_give_what_numpy_gives(name, compiled):
         pairs = np.meshgrid(edges, edges)
         x = tuple(np.ascontiguousarray(axis.ravel()) for axis in pairs)
     with np.errstate(all="ignore"):
-        expected = (np.power if name == "pow" else getattr(np, name))(*x)
+        numpy = {"pow": "power", "atan": "arctan"}.get(name, name)
+        expected = getattr(np, numpy)(*x)
         got = call(compiled, name, *x)
         same = (got == expected) & (np.signbit(got) == np.signbit(expected))
         same |= np.isnan(got) & np.isnan(expected)
@@ -154,6 +156,13 @@ def test_vectors_of_any_width_and_fused_hardware_give_the_same_bits(compiled, tm
             assert np.array_equal(call(other, name, *x), expected), name
     x = np.random.default_rng(8).uniform(-1.6e6, 1.6e6, 30_000)
     assert np.array_equal(call(compiled, "sin_near", x), call(compiled, "sin", x))
+
+
+def test_own_functions_are_all_tried_here_and_exist_for_lanes():
+    assert {*OWN.split("|")} == {*FUNCTIONS, "fmin", "fmax"}
+    lanes = (NATIVE.parents[1] / "orchestrator/native/fused/lanes.h").read_text()
+    for name in OWN.split("|"):
+        assert re.search(rf"\b(ONE|NEAR)\({name}\)|\bv_{name}\(", lanes), name
 
 
 def test_no_model_calls_a_function_of_the_c_library_that_is_not_exact():

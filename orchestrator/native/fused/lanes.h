@@ -116,6 +116,7 @@ ONE(tanh)
 ONE(sinh)
 ONE(cosh)
 ONE(tan)
+ONE(atan)
 NEAR(sin)
 NEAR(cos)
 
