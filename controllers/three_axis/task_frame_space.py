@@ -8,11 +8,13 @@ Source: Hanifzadegan 2014, eq. 8.7 to 8.12; (8.11) is an upper bound, no equalit
 """
 
 from fractions import Fraction
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from fmus.model import Sampled, Var
+
+TINY = 1e-300
 
 
 class State(NamedTuple):
@@ -51,7 +53,9 @@ def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:
     e_x, e_y, e_z = u.r_x - u.u_cx, u.r_y - u.u_cy, u.r_z - u.u_cz
     e_t = u.t_x * e_x + u.t_y * e_y + u.t_z * e_z
     across = e_x - e_t * u.t_x, e_y - e_t * u.t_y, e_z - e_t * u.t_z
-    size = np.sqrt(sum(part * part for part in across))
+    square: Any = sum(part * part for part in across)
+    # a root whose slope is finite on the path, where it is 0
+    size: Any = np.where(square > 0, np.sqrt(np.maximum(square, TINY)), 0.0)
     return State(), Output(e_x, e_y, e_z, e_t, *across, size)
 
 
