@@ -18,41 +18,11 @@ from packages import (
     ssd,
     unit,
 )
-from stub import Stub, library, stub
+from small_packages import KINDS, OSP, STEP, elements, values
+from stub import Stub, stub
 
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.load import load_package, read_package, schema_faults
-from orchestrator.session import run
-
-OSP = "com.opensimulationplatform"
-STEP = annotated(
-    OSP,
-    '<osp:Algorithm xmlns:osp="x"><osp:FixedStepAlgorithm baseStepSize="1e-3"/>'
-    "</osp:Algorithm>",
-)
-PLAIN = {"u": Stub("input"), "k": Stub("parameter"), "y": Stub("output")}
-KINDS = connectors(u="input", k="parameter", y="output")
-
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return library(tmp_path_factory.mktemp("stub"))
-
-
-@pytest.fixture(scope="module")
-def plain(compiled: Path) -> Path:
-    """An FMU with y = u + k, of no units, that proposes a step of 2 ms."""
-    return stub(compiled, compiled.parent / "plain.fmu", PLAIN, step="0.002")
-
-
-def values(file: Path, folder: Path, *names: str, sets: tuple[str, ...] = ()) -> list:
-    """Return the last recorded values of outputs."""
-    done = run(load_package(file, sets), folder, report=False)
-    return [float(done[name].values[-1]) for name in names]
-
-
-def elements(*text: str) -> str:
-    return f"<ssd:Elements>{''.join(text)}</ssd:Elements>"
 
 
 def test_a_nested_system_wired_against_the_flow_without_steps(

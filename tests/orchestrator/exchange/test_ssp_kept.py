@@ -2,18 +2,16 @@
 
 from pathlib import Path
 
-import pytest
 from packages import (
     annotated,
     binding,
     component,
-    connectors,
     experiment,
     package,
     parameter_set,
     ssd,
 )
-from stub import Stub, library, stub
+from small_packages import KINDS, STEP, elements
 
 from orchestrator.exchange.ssp.beside import write_beside
 from orchestrator.exchange.ssp.load import load_package
@@ -21,36 +19,6 @@ from orchestrator.exchange.ssp.write import export_ssp
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run, run_earlier
-
-OSP = "com.opensimulationplatform"
-STEP = annotated(
-    OSP,
-    '<osp:Algorithm xmlns:osp="x"><osp:FixedStepAlgorithm baseStepSize="1e-3"/>'
-    "</osp:Algorithm>",
-)
-PLAIN = {"u": Stub("input"), "k": Stub("parameter"), "y": Stub("output")}
-KINDS = connectors(u="input", k="parameter", y="output")
-
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return library(tmp_path_factory.mktemp("stub"))
-
-
-@pytest.fixture(scope="module")
-def plain(compiled: Path) -> Path:
-    """An FMU with y = u + k, of no units, that proposes a step of 2 ms."""
-    return stub(compiled, compiled.parent / "plain.fmu", PLAIN, step="0.002")
-
-
-def values(file: Path, folder: Path, *names: str, sets: tuple[str, ...] = ()) -> list:
-    """Return the last recorded values of outputs."""
-    done = run(load_package(file, sets), folder, report=False)
-    return [float(done[name].values[-1]) for name in names]
-
-
-def elements(*text: str) -> str:
-    return f"<ssd:Elements>{''.join(text)}</ssd:Elements>"
 
 
 def test_an_imported_folder_runs_without_the_package(

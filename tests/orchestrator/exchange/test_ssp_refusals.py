@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 from packages import (
-    annotated,
     component,
     connections,
     connectors,
@@ -13,36 +12,13 @@ from packages import (
     package,
     ssd,
 )
-from stub import Stub, library, stub
+from small_packages import KINDS, PLAIN, STEP, elements
+from stub import Stub, stub
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.load import load_package
-
-OSP = "com.opensimulationplatform"
-STEP = annotated(
-    OSP,
-    '<osp:Algorithm xmlns:osp="x"><osp:FixedStepAlgorithm baseStepSize="1e-3"/>'
-    "</osp:Algorithm>",
-)
-PLAIN = {"u": Stub("input"), "k": Stub("parameter"), "y": Stub("output")}
-KINDS = connectors(u="input", k="parameter", y="output")
-
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return library(tmp_path_factory.mktemp("stub"))
-
-
-@pytest.fixture(scope="module")
-def plain(compiled: Path) -> Path:
-    """An FMU with y = u + k, of no units, that proposes a step of 2 ms."""
-    return stub(compiled, compiled.parent / "plain.fmu", PLAIN, step="0.002")
-
-
-def elements(*text: str) -> str:
-    return f"<ssd:Elements>{''.join(text)}</ssd:Elements>"
 
 
 def refused(file: Path) -> str:
