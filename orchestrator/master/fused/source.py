@@ -10,9 +10,11 @@ lanes W that it is compiled for.
     engine_run     instants of a stretch, as ``kernel_run``
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from fmus.equations import Equations
+from orchestrator.master.fused.beside import Pair, pairs
 from orchestrator.master.fused.own import (
     Own,
     affine_text,
@@ -63,6 +65,11 @@ class Source:
         for stretch in timetable.stretches():
             for program in stretch.entries:
                 self.programs.setdefault(program, len(self.programs))
+        count = Counter(own.model for own in self.own.values())
+        self._often = {model for model, n in count.items() if n > FEW}
+        few = {n: own for n, own in self.own.items() if own.model not in self._often}
+        self._pairs: dict[str, Pair] = {}
+        self._beside = {p: pairs(p, few, self._pairs) for p in self.programs}
 
     @property
     def whole(self) -> bool:
@@ -87,6 +94,7 @@ class Source:
                 '#include "called.h"',
                 "#endif",
                 *self._models(),
+                *(line for pair in self._pairs.values() for line in pair.text()),
                 *programs,
                 *self._dispatch(),
                 *self._adopted(),
@@ -99,14 +107,11 @@ class Source:
     # models
 
     def _models(self) -> Iterator[str]:
-        count: dict[int, int] = {}
-        for own in self.own.values():
-            count[own.model] = count.get(own.model, 0) + 1
         done = set[int]()
         for own in self.own.values():
             if own.model not in done:
                 done.add(own.model)
-                yield from model(own, count[own.model] > FEW)
+                yield from model(own, own.model in self._often)
 
     # programs
 
@@ -114,8 +119,17 @@ class Source:
         yield f"static int program_{number}(Engine *e, int64_t k, double t) {{"
         yield "    V *const z = e->vector;"
         yield "    (void)z, (void)k, (void)t;"
-        for op in program:
-            yield from (f"    {line}" for line in self._operation(op))
+        found = self._beside[program]
+        beside = {tick: pair.sampled for tick, pair in found.values()}
+        for i, op in enumerate(program):
+            if i in found:
+                pair = found[i][1]
+                lines = [pair.call, *self._went_on(pair.continuous)]
+            elif i in beside:
+                lines = list(self._went_on(beside[i]))
+            else:
+                lines = list(self._operation(op))
+            yield from (f"    {line}" for line in lines)
         yield "    return 1;"
         yield "}"
 
@@ -158,7 +172,10 @@ class Source:
         here = f"e->parts[{own.index}]"
         yield f"if (!{step})"
         yield f"    return stopped(e, {here}.failure, {own.index}, k);"
-        yield f"if (!go_on(e, {here}.wrong, {own.index}, k))"
+        yield from self._went_on(own)
+
+    def _went_on(self, own: Own) -> Iterator[str]:
+        yield f"if (!go_on(e, e->parts[{own.index}].wrong, {own.index}, k))"
         yield "    return 0;"
 
     def _read(self, own: Own) -> Iterator[str]:
