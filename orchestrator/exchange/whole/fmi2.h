@@ -40,7 +40,7 @@ static fmi2Status failed(const Slave *s) {
     const char *why = e->failure == LINE_FULL
                           ? "a delayed input changed too often within its dead time"
                       : e->failure == UNSETTLED
-                          ? "an initial circle does not settle by substitution"
+                          ? "an initial circle has no solution that is found"
                           : "a value that is not finite";
     snprintf(text, sizeof text, "%s at t = %.9g s: %s", part_names[e->part],
              seconds_of(e, e->instant), why);

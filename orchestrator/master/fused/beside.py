@@ -57,7 +57,8 @@ class Pair:
         yield f"    const double h = {self.h.hex()} / {steps};"
         yield f"    {c}_Stages r;"
         yield f"    V next[{equations['n_x']} + 1];"
-        yield f"    const V *const arg[5] = {{w + {x}, w + {u}, w, w + {size}, w + {period}}};"
+        arguments = f"w + {x}, w + {u}, w, w + {size}, w + {period}"
+        yield f"    const V *const arg[5] = {{{arguments}}};"
         yield f"    V *const res[2] = {{next, w + {y}}};"
         yield from (f"    {line}" for line in declared)
         yield "    (void)arg, (void)res;"

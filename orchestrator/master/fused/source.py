@@ -6,7 +6,7 @@ other FMUs stay calls of the kernel.  Parameters, start values, dead times and
 rows are data: one source serves every run of its structure, and any number of
 lanes W that it is compiled for.
 
-    engine_start   initialisation in lanes (parts in order, circles by substitution)
+    engine_start   initialisation in lanes (parts in order, circles by circle.h)
     engine_run     instants of a stretch, as ``kernel_run``
 """
 
@@ -26,12 +26,13 @@ from orchestrator.master.fused.own import (
     values_read,
     written,
 )
-from orchestrator.master.initialise import SUBSTITUTIONS, places_opened
+from orchestrator.master.initialise import SUBSTITUTIONS, is_real, places_opened
 from orchestrator.master.order import initial_order
 from orchestrator.master.places import Copy
 from orchestrator.master.timetable import Op, Program, Timetable, table_name
 from orchestrator.native.library import CODES
 
+OPENED = 64  # numbers of a circle in lanes at most
 FEW = 4  # copies of one model that are inlined; more are calls of one function
 _CODE = {name: i for i, name in enumerate(CODES)}
 _CODE |= {"advance": _CODE["step"], "tick": _CODE["step"]}
@@ -251,15 +252,20 @@ class Source:
     def _start(self) -> Iterator[str]:
         order, edges = initial_order(self.wiring)
         opened = places_opened(self.wiring, edges)
-        yield "static int sweep(Engine *e) {"
-        yield "    V *const z = e->vector;"
+        if opened:
+            yield f"enum {{ CIRCLE = {len(opened)}, SUBSTITUTIONS = {SUBSTITUTIONS} }};"
+            yield '#include "circle.h"'
+        yield "/* NaN in the lanes where an input is given what is not finite */"
+        yield "static V sweep(Engine *e) {"
+        yield "    V *const z = e->vector, bad = (V)0.0;"
         for name in order:
             own = self.own[name]
             kept = [c for c in own.part.copies if c.sink not in opened]
             lines = [*written(own), f"{own.function}_refresh({own.instance});"]
             lines += [*values_read(own), *published(own), *self._copied(kept)]
+            lines += [f"bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
             yield from (f"    {line}" for line in lines)
-        yield "    return 1;"
+        yield "    return bad;"
         yield "}"
         yield "EXPORTED int engine_start(Engine *e) {"
         yield "    V *const z = e->vector;"
@@ -285,24 +291,29 @@ class Source:
         yield "}"
 
     def _circles(self, opened: Mapping[int, Copy]) -> Iterator[str]:
-        """Write the sweeps: one, or until what was opened stands still in all lanes."""
+        """Write the sweeps: one, or until every lane has found its inputs."""
         if not opened:
             yield "    sweep(e);"
             return
-        n = len(opened)
-        yield "    for (int round = 0, unlike = 1; unlike; round++) {"
-        yield f"        V before[{n}];"
+        if len(opened) > OPENED:
+            yield "    return stopped(e, UNSETTLED, 0, 0);"
+            return
+        yield "    V asked[CIRCLE], given[CIRCLE];"
+        yield "    Circle found[W];"
         for i, place in enumerate(opened):
-            yield f"        before[{i}] = z[{place}];"
-        yield "        sweep(e);"
-        yield from (f"        {line}" for line in self._copied(opened.values()))
-        yield "        V moved = (V)0.0;"
+            yield f"    asked[{i}] = z[{place}];"
+        yield "    circles_begin(found, asked);"
+        yield "    for (int going = 1; going;) {"
         for i, place in enumerate(opened):
-            yield f"        moved = either(moved, unsettled(before[{i}], z[{place}]));"
-        yield "        unlike = lanes_differ(moved, (V)0.0);"
-        yield "        if (unlike && unlike < W) return stopped(e, APART, 0, 0);"
-        yield (
-            f"        if (unlike && round + 1 == {SUBSTITUTIONS}) "
-            f"return stopped(e, UNSETTLED, 0, 0);"
-        )
+            yield f"        z[{place}] = asked[{i}];"
+        yield "        V bad = sweep(e);"
+        for i, copy in enumerate(opened.values()):
+            value = affine_text(f"z[{copy.source}]", copy.affine)
+            yield f"        given[{i}] = {value};"
+        real = int(all(is_real(self.wiring, place) for place in opened))
+        yield f"        going = circles_next(found, asked, given, bad, {real});"
         yield "    }"
+        yield "    if (circles_failed(found)) return stopped(e, UNSETTLED, 0, 0);"
+        yield "    circles_found(found, asked);"
+        for i, place in enumerate(opened):
+            yield f"    z[{place}] = asked[{i}];"
