@@ -19,9 +19,9 @@ from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.members import Workers
 from orchestrator.analysis.variations import Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
-from orchestrator.response.expected import specified
+from orchestrator.response.expected import loop
 from orchestrator.response.figures import figures as response_figures
-from orchestrator.response.measure import Response
+from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.responses import FIGURES
 from orchestrator.system import split_name
@@ -158,6 +158,11 @@ def _refuse_unknown(
         )
     for c in constraints:
         owner, _, figure = c.figure.rpartition(".")
+        if owner in spec.responses and not spec.responses[owner].breaks:
+            raise TuneError(
+                f"--subject-to {c.figure}: responses.{owner} breaks no loop; bounds "
+                f"are kept on metrics and on the margins of loops"
+            )
         if owner in spec.responses and figure not in FIGURES:
             remedy = did_you_mean(figure, FIGURES)
             raise TuneError(f"--subject-to {c.figure}: no such figure; {remedy}")
@@ -268,7 +273,7 @@ def _full(
         return {}
     there = recompose(values)
     responses = judge.composition.scenario.spec.responses
-    return {name: specified(there, responses[name]) for name in judge.full}
+    return {name: loop(there, responses[name]) for name in judge.full}
 
 
 def _measured(

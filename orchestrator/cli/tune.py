@@ -181,7 +181,7 @@ def _page(
             r.L[:, 0, 0],
             r.S[:, 0, 0],
             r.T[:, 0, 0],
-            word == "before",
+            "other" if word == "before" else "own",
         )
         for word, of in zip(("before", "tuned"), found.responses, strict=True)
         for r in of.values()

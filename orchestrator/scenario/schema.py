@@ -34,7 +34,7 @@ from orchestrator.evaluation.schema import (
 )
 from orchestrator.quantities.quantity import parse_period
 from orchestrator.scenario.component import ComponentSpec
-from orchestrator.scenario.responses import FIGURES, ResponseSpec
+from orchestrator.scenario.responses import ResponseSpec
 from orchestrator.scenario.written import in_floats, parse_scalar, parse_value
 from orchestrator.system import FaultKind, split_name
 
@@ -245,7 +245,8 @@ class Specification(Strict):
         for name in self.expect:
             owner, _, figure = name.rpartition(".")
             if owner in self.responses:
-                _one_of(f'expect."{name}"', "figure", figure, FIGURES)
+                known_of = self.responses[owner].figures
+                _one_of(f'expect."{name}"', "figure", figure, known_of)
             elif self.responses:
                 known = {*self.metrics, *self.responses}
                 _one_of(f'expect."{name}"', "metric or response", owner, known)
@@ -254,8 +255,9 @@ class Specification(Strict):
         for name, response in self.responses.items():
             if name in self.metrics:
                 raise ValueError(f"responses.{name}: is the name of a metric too")
-            for broken in response.breaks:
-                self._variable(f"responses.{name}.break", broken)
+            for key, named in response.named.items():
+                for one in named:
+                    self._variable(f"responses.{name}.{key}", one)
         return self
 
     @property
