@@ -24,6 +24,7 @@ SURE = 0.004  # standard error of S, of its size: 0.035 dB
 FAINT = 0.01  # of the largest |Q|: what is smaller need not be as sure
 REALISATIONS = 16
 MIN, EVEN = 4, 1.3  # ratio of differences from period to period that are noise alone
+FINE, UNEVEN = 1e-5, 3.0  # and of differences as small as that, which are round-off
 ROUND_OFF = 1e-12  # of a signal, that its difference to another run may be
 HUGE = 1e50  # no signal of a stable loop
 
@@ -159,7 +160,8 @@ def _settled(values: Real, quiet: Real, *, last: bool) -> int:
     if apart[-1] <= AGREED * size:
         return first
     tail = apart[len(apart) // 2 :]
-    even = len(apart) >= MIN and np.max(tail) <= EVEN * np.min(tail)
+    ratio = UNEVEN if np.max(tail) < FINE * size else EVEN
+    even = len(apart) >= MIN and np.max(tail) <= ratio * np.min(tail)
     noise = apart[-1] < size / 2 and first <= len(apart) // 2
     return first if noise and (even or last) else -1
 

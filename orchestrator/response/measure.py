@@ -32,6 +32,7 @@ M = TypeVar("M", Response, Transfer)
 
 LOWEST = Fraction(1)  # Hz
 SHAPED = 30.0  # times the smallest line at most
+MOVED = 1e-2  # of how far a signal moves anyway
 STEP, STEPS = 4.0, 5  # of amplitudes that are tried
 GOOD = 1e-3  # distortion at which no other amplitude is looked for
 STEPPED = 40  # lines of a stepped sine
@@ -216,10 +217,15 @@ class _Measurement:
         """Return the amplitude with the least distortion, from a small one upwards.
 
         None is larger than the range of the signal without injection, if it moves.
+        Of one that does not, what is observed is to move a little more than anyway.
         """
         moved = float(np.ptp(self._bench.levels(self._n, 1)[i]))
         size = moved / 50 or self._declared(i)
-        best = self._column(i, lines, shape, size, 1).distortion
+        first = self._column(i, lines, shape, size, 1)
+        if not moved and not self._bench.loops:
+            size *= self._more(first, size)
+            first = self._column(i, lines, shape, size, 1)
+        best = first.distortion
         for factor in (STEP, 1 / STEP):
             tried, steps = size, 0
             while best > GOOD and steps < STEPS:
@@ -231,6 +237,13 @@ class _Measurement:
                     break
                 size, best = tried, now
         return size
+
+    def _more(self, first: Column, rms: float) -> float:
+        """Return how many times more makes something observed move by ``MOVED``."""
+        answered = rms * np.sqrt(np.mean(np.abs(first.Q) ** 2, axis=0))
+        wanted = MOVED * np.ptp(self._bench.twin(self._n, 1), axis=1)
+        seen = (answered > 0) & (wanted > 0)
+        return float(np.min(wanted[seen] / answered[seen])) if np.any(seen) else 1.0
 
     def _declared(self, i: int) -> float:
         """Return a hundredth of what the output's description says of its size."""

@@ -79,7 +79,7 @@ class Response(Measured):
         """
         found = np.linalg.eigvals(self.L)
         for one, after in pairwise(found):
-            apart = np.abs(one[:, None] - after[None, :])
+            apart = np.abs(np.log(one[:, None] / after[None, :]))
             after[:] = after[linear_sum_assignment(apart)[1]]
         return np.asarray(found)
 
