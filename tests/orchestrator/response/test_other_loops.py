@@ -88,8 +88,6 @@ def test_the_gantrys_sensitivity_is_the_exact_matrix() -> None:
     for line, wanted in zip(found.loci[low], eigenvalues, strict=True):
         assert np.allclose(np.sort_complex(line), np.sort_complex(wanted), rtol=1e-3)
     assert np.allclose(np.prod(1 + found.loci, axis=1), 1 / np.linalg.det(found.S))
-    steps = np.abs(np.diff(np.log(np.abs(found.loci[low])), axis=0))
-    assert np.max(steps[found.hz[low][1:] > 50]) < 1  # each goes on where it was
 
 
 def test_a_break_faster_than_its_loop_gives_the_fundamental_per_line() -> None:
