@@ -17,6 +17,7 @@ from orchestrator.cli import (
     check,
     design,
     export,
+    figure,
     fit,
     fmus,
     importing,
@@ -77,6 +78,7 @@ for verb in (
     fit.fit,
     export.export,
     study.reproduce,
+    figure.figure,
     second_opinion.second_opinion,
     design.design,
 ):
