@@ -15,6 +15,7 @@ import typer
 from orchestrator.cli import (
     build,
     check,
+    compare,
     design,
     export,
     figure,
@@ -72,6 +73,8 @@ for verb in (
     shown.schedule,
     run.run,
     runs.runs,
+    compare.compare,
+    compare.plot,
     sweep.sweep,
     response.response,
     tune.tune,
