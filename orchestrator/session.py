@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[Fraction], None]
 Also = Callable[[Run], Mapping[str, Any]]
+Begins = Callable[[Path, "Timetable"], None]
 
 
 def run(
@@ -75,12 +76,13 @@ def execute(
     executor: "Choice | None" = None,
     profile: bool = False,
     also: Also = lambda done: {},
+    begun: Begins = lambda folder, timetable: None,
 ) -> Run:
     """Simulate a composition into a folder of its own and evaluate it.
 
     ``folder`` and ``overwrite`` as for ``run``, ``executor`` and ``profile`` as for
     ``simulate``; what ``also`` returns belongs to the figures of the run, which is
-    not complete before.
+    not complete before.  ``begun`` is told the folder before the first step.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
@@ -93,6 +95,7 @@ def execute(
     refuse_own_folder(folder, composition)
     with taken(folder, _begun(composition), overwrite=overwrite) as place:
         write_lock(composition, place.path)
+        begun(place.path, timetable)
         done = _evaluated(
             composition, timetable, place, progress, executor, profile=profile
         )

@@ -24,6 +24,7 @@ from orchestrator.cli import (
     run,
     runs,
     second_opinion,
+    serve,
     study,
     sweep,
     tune,
@@ -76,6 +77,7 @@ for verb in (
     export.export,
     study.reproduce,
     second_opinion.second_opinion,
+    serve.serve,
     design.design,
 ):
     app.command()(verb)
