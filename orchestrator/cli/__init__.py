@@ -17,6 +17,7 @@ from orchestrator.cli import (
     check,
     design,
     export,
+    figure,
     fit,
     fmus,
     importing,
@@ -75,6 +76,7 @@ for verb in (
     fit.fit,
     export.export,
     study.reproduce,
+    figure.figure,
     second_opinion.second_opinion,
     design.design,
 ):
