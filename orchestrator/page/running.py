@@ -59,7 +59,7 @@ class Running:
             def begun(folder: Path, timetable: Timetable) -> None:
                 so_far.append(SoFar(composition, folder, timetable))
 
-            return execute(composition, progress=progress, begun=begun)
+            return execute(composition, progress=progress, watched=begun)
 
     def _go_on(self, t: Fraction) -> None:
         if self.aborted.is_set():
