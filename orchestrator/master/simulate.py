@@ -264,14 +264,14 @@ def open_instance(
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:
         folders[fmu.path] = stack.enter_context(unpacked(fmu.path, NOT_RUN))
-    folder = folders[fmu.path]
+    folder, clocks = folders[fmu.path], shared is not None
     instance: Instance
     if apart:
         from orchestrator.instances.isolated import IsolatedInstance
 
-        instance = IsolatedInstance(name, fmu, folder, _log, isolation)
+        instance = IsolatedInstance(name, fmu, folder, _log, isolation, clocks)
     else:
-        instance = load(name, fmu, folder, _log, clocks=shared is not None)
+        instance = load(name, fmu, folder, _log, clocks=clocks)
     stack.callback(instance.close)
     return instance
 
