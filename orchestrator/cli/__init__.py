@@ -23,9 +23,11 @@ from orchestrator.cli import (
     fmus,
     importing,
     response,
+    resume,
     run,
     runs,
     second_opinion,
+    serve,
     shown,
     study,
     sweep,
@@ -72,6 +74,7 @@ for verb in (
     shown.wiring,
     shown.schedule,
     run.run,
+    resume.resume,
     runs.runs,
     compare.compare,
     compare.plot,
@@ -83,6 +86,7 @@ for verb in (
     study.reproduce,
     figure.figure,
     second_opinion.second_opinion,
+    serve.serve,
     design.design,
 ):
     app.command()(verb)

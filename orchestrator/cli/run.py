@@ -15,6 +15,7 @@ from orchestrator.cli.output import (
     print_table,
     set_up_logs,
 )
+from orchestrator.cli.rows import time
 from orchestrator.cli.running import load, simulate
 from orchestrator.cli.swap import (
     ORIGINAL,
@@ -125,6 +126,10 @@ def run(
     profile: Annotated[
         bool, typer.Option("--profile", help="say where the time went")
     ] = False,
+    checkpoint: Annotated[
+        str | None,
+        typer.Option(metavar="S", help="simulated time between points to resume from"),
+    ] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -135,6 +140,12 @@ def run(
     if overwrite and output is None:
         raise ScenarioError(
             "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
+    apart = time(checkpoint, "--checkpoint")
+    if apart is not None and swap:
+        raise ScenarioError(
+            "--checkpoint: a run with --swap is two runs, which cannot be resumed; "
+            "name the other FMU in the scenario"
         )
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
@@ -168,14 +179,22 @@ def run(
             "warnings": list(done.warnings),
         }
 
-    done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
+    taking = {"overwrite": overwrite, "also": also, "checkpoint": apart}
+    done = simulate(loaded, output, **taking, **options)
     if json:
         print_json({**done.summary(), **told(done)})
     else:
         print_run(done)
         if beside:
             print_swap(beside["first"], done, beside["answers"])
-    changed = bool(sets or swap)  # then figures may well differ, but not be gone
+    conclude(done, changed=bool(sets or swap))
+
+
+def conclude(done: "Run", *, changed: bool) -> None:
+    """Say what is not as it should be, and end with 1 then.
+
+    Figures of a scenario that was changed may well differ, but not be gone.
+    """
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
         echo("expectation not met: " + "; ".join(failed), err=True)
