@@ -7,14 +7,13 @@ that and the polish repeated.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.analysis.candidates import BAD, Constraint, Judge, Judged
-from orchestrator.analysis.fit import Bracket, Free, free_values
+from orchestrator.analysis.fit import Free
 from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.members import Workers
 from orchestrator.analysis.variations import Axis, Setting
@@ -24,7 +23,6 @@ from orchestrator.response.figures import figures as response_figures
 from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.responses import FIGURES
-from orchestrator.system import split_name
 
 Real = NDArray[np.float64]
 
@@ -51,37 +49,6 @@ class Tuned:
         return {f.name: float(v) for f, v in zip(self.free, self.values, strict=True)}
 
 
-def matching(composition: Composition, pattern: str) -> list[str]:
-    """Return the real parameters that ``controller.K_*`` stands for.
-
-    Raises:
-        TuneError: there are none.
-    """
-    owner, wanted = split_name(pattern)
-    if "*" not in pattern:
-        return [pattern]
-    if owner not in composition.fmus:
-        known = did_you_mean(owner, composition.fmus)
-        raise TuneError(f"--free {pattern}: no component {owner!r}; {known}")
-    variables = composition.fmus[owner].variables
-    names = [
-        f"{owner}.{name}"
-        for name, v in variables.items()
-        if v.causality == "parameter" and v.sort == "real" and fnmatchcase(name, wanted)
-    ]
-    if not names:
-        raise TuneError(f"--free {pattern}: matches no real parameter of {owner}")
-    return names
-
-
-def free_of(
-    composition: Composition, patterns: Sequence[str], bounds: Mapping[str, Bracket]
-) -> tuple[Free, ...]:
-    """Return what is free to be tuned, with brackets given or about its start."""
-    names = [n for pattern in patterns for n in matching(composition, pattern)]
-    return free_values(composition, list(dict.fromkeys(names)), bounds)
-
-
 Progress = Callable[[int, Real, Judged], None]
 Recompose = Callable[[Mapping[str, Setting]], Composition]
 
@@ -93,6 +60,7 @@ def tune(
     constraints: Sequence[Constraint] = (),
     over: Sequence[Axis] = (),
     *,
+    begin: Mapping[str, float] | None = None,
     seed: int = 1,
     generations: int = GENERATIONS,
     recompose: Recompose,
@@ -100,6 +68,7 @@ def tune(
 ) -> Tuned:
     """Find values of ``free`` that make ``objective`` least and keep ``constraints``.
 
+    ``begin`` are values to begin with, of all that is free or of some;
     ``progress`` is told the best so far after each generation; ``recompose`` gives
     the composition with values, which is measured in full at the end.
 
@@ -111,7 +80,9 @@ def tune(
     judge = Judge(composition, free, objective, constraints, over, workers)
     try:
         start = judge.judge(np.array([[f.start for f in free]]), run_all=True)[0]
-        x = _evolved(judge, free, seed, generations, progress)
+        first = np.array([(begin or {}).get(f.name, f.start) for f in free])
+        known = first if begin else None
+        x = _evolved(judge, free, known, seed, generations, progress)
         for _ in range(ROUNDS):
             x = _polished(judge, free, x)
             after = _measured(judge, recompose, free, x)
@@ -199,7 +170,12 @@ class Space:
 
 
 def _evolved(
-    judge: Judge, free: Sequence[Free], seed: int, generations: int, progress: Progress
+    judge: Judge,
+    free: Sequence[Free],
+    begin: Real | None,
+    seed: int,
+    generations: int,
+    progress: Progress,
 ) -> Real:
     from scipy.optimize import differential_evolution
 
@@ -230,6 +206,7 @@ def _evolved(
         tol=ALIKE,
         polish=False,
         init="sobol",
+        x0=None if begin is None else space.places(begin).clip(0, 1),
     )
     return best[0][1]
 

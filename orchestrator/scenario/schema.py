@@ -103,6 +103,12 @@ class DesignSpec(Strict):
         return self
 
 
+class TuneSpec(Strict):
+    """Where ``feeddrive tune`` starts: a step whose result is set in no run."""
+
+    start: DesignSpec | None = None
+
+
 class FaultSpec(Strict):
     """A fault of an input: its kind, number, and window [from, to) (s; always)."""
 
@@ -175,6 +181,7 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     responses: dict[str, ResponseSpec] = Field(default_factory=dict)
+    tune: TuneSpec = TuneSpec()
     expect: dict[str, Expectation] = Field(default_factory=dict)
     expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
@@ -238,6 +245,9 @@ class Specification(Strict):
         for name, step in self.design.items():
             for component in step.sets:
                 _one_of(f"design.{name}.sets", "component", component, self.components)
+        if start := self.tune.start:
+            for component in start.sets:
+                _one_of("tune.start.sets", "component", component, self.components)
         for name in self.tolerances:
             self._variable(f'tolerances."{name}"', name)
         for name in self.expect_like.signals if self.expect_like else ():
