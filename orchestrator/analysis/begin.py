@@ -1,6 +1,6 @@
 """What is free to be tuned, and the values that tuning begins with."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from fnmatch import fnmatchcase
 
 from orchestrator.analysis.fit import Bracket, Free, free_values
@@ -14,8 +14,12 @@ from orchestrator.system import Value, split_name
 REACH = 4.0  # times and parts of a recipe's value a value may become unasked
 
 
-def matching(composition: Composition, pattern: str) -> list[str]:
+def matching(
+    composition: Composition, pattern: str, known: Container[str] = ()
+) -> list[str]:
     """Return the real parameters that ``controller.K_*`` stands for.
+
+    What starts at 0 is switched off and not meant, unless it is ``known`` otherwise.
 
     Raises:
         TuneError: there are none.
@@ -32,6 +36,7 @@ def matching(composition: Composition, pattern: str) -> list[str]:
         for name, v in variables.items()
         if v.causality == "parameter" and v.sort == "real" and fnmatchcase(name, wanted)
     ]
+    names = [n for n in names if n in known or composition.parameter(n).value != 0]
     if not names:
         raise TuneError(f"--free {pattern}: matches no real parameter of {owner}")
     return names
@@ -47,7 +52,8 @@ def free_of(
 
     ``begin`` are values of a recipe, about which brackets are narrower.
     """
-    names = [n for pattern in patterns for n in matching(composition, pattern)]
+    known = {*bounds, *(begin or {})}
+    names = [n for p in patterns for n in matching(composition, p, known)]
     names = list(dict.fromkeys(names))
     about = {n: v for n, v in (begin or {}).items() if n in names and v}
     near = {n: _near(v) for n, v in about.items()}
