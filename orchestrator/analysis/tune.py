@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis.candidates import BAD, Constraint, Judge, Judged
+from orchestrator.analysis.candidates import Constraint, Judge, Judged
 from orchestrator.analysis.fit import Free
 from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.members import Workers
@@ -29,7 +29,8 @@ Real = NDArray[np.float64]
 POPULATION = 8  # candidates per free value, at least 24 in all
 GENERATIONS = 40
 ALIKE = 1e-3  # spread of a population's objectives at which it has converged
-POLISH = 60  # evaluations
+POLISH, BATCH = 16, 16  # batches of a polish, and how many candidates each has
+REACH, CLOSE = 0.03, 1e-4  # of a bracket: its first step, and its last
 ROUNDS = 4  # of tightening a bound that a full measurement finds missed
 
 
@@ -84,7 +85,7 @@ def tune(
         known = first if begin else None
         x = _evolved(judge, free, known, seed, generations, progress)
         for _ in range(ROUNDS):
-            x = _polished(judge, free, x)
+            x = _polished(judge, free, x, seed)
             after = _measured(judge, recompose, free, x)
             pairs = list(zip(constraints, judge.constraints, strict=True))
             tighter = tuple(_tightened(*pair, after) for pair in pairs)
@@ -211,31 +212,27 @@ def _evolved(
     return best[0][1]
 
 
-def _polished(judge: Judge, free: Sequence[Free], x: Real) -> Real:
-    from scipy.optimize import minimize
-
-    space = Space(free)
-    u = space.places(x)
-
-    def objective(v: Real) -> float:
-        outside = float(np.sum(np.maximum(0, v - 1) + np.maximum(0, -v)))
-        if outside:
-            return BAD * (1 + outside)
-        return judge.judge(space.values(v)[None])[0].rank
-
-    steps = 0.02 * np.diag(np.where(u > 0.5, -1.0, 1.0))
-    found = minimize(
-        objective,
-        u,
-        method="Nelder-Mead",
-        options={
-            "maxfev": POLISH,
-            "initial_simplex": np.vstack([u, u + steps]),
-            "xatol": 1e-4,
-            "fatol": 1e-9,
-        },
-    )
-    return space.values(found.x)
+def _polished(judge: Judge, free: Sequence[Free], x: Real, seed: int) -> Real:
+    """Return the best found around x: steps along each axis and at random, a batch at
+    a time, shorter where none is better, longer the way the last one went."""
+    space, generator = Space(free), np.random.default_rng(seed)
+    n, radius = len(free), REACH
+    best = space.places(x)
+    rank = judge.judge(space.values(best)[None])[0].rank
+    for _ in range(POLISH):
+        axes = np.concatenate([np.eye(n), -np.eye(n)])
+        ways = generator.normal(size=(max(BATCH - 2 * n, 0), n))
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        tried = np.clip(best + radius * np.concatenate([axes, ways]), 0, 1)
+        ranks = [j.rank for j in judge.judge(space.values(tried))]
+        i = int(np.argmin(ranks))
+        if ranks[i] < rank:
+            best, rank, radius = tried[i], ranks[i], 1.5 * radius
+        else:
+            radius /= 3
+        if radius < CLOSE:
+            break
+    return space.values(best)
 
 
 def _named(free: Sequence[Free], x: Real) -> dict[str, Setting]:
