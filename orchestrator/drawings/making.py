@@ -5,6 +5,7 @@ or figures need, a sweep whose figures several curves show.
 """
 
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -216,11 +217,12 @@ class Maker:
 
     def _measured(self, curve: Curve, panel: Panel) -> tuple[Array, Array]:
         file = self._file(curve)
-        key = f"{file} {curve.set} {curve.broken}"
+        key = f"{file} {curve.set} {curve.broken} {curve.lowest}"
         if key not in self._loops:
             composition = compose(load_scenario(file, curve.set), run_earlier)
             broken = str(curve.broken).split()
-            self._loops[key] = measure(composition, broken, quick=True)
+            lowest = Fraction(curve.lowest)
+            self._loops[key] = measure(composition, broken, lowest=lowest, quick=True)
         found = self._loops[key]
         matrices: Mapping[str, Any] = {"L": found.L, "S": found.S, "T": found.T}
         if curve.of not in matrices:
@@ -245,7 +247,7 @@ class Maker:
             if name not in found:
                 raise ScenarioError(f"{call} gives no {name!r}; {', '.join(found)}")
         x, y = (np.asarray(found[name]) for name in names)
-        return np.asarray(np.real(x), dtype=float), y
+        return np.asarray(np.real(x), dtype=float), curve.factor * y
 
     def _of_rows(self, curve: Curve, panel: Panel) -> tuple[Array, Array]:
         rows = [self._row(name) for name in curve.rows]

@@ -26,15 +26,16 @@ figure, key by key.  A curve has one source:
                  or, for a contour metric ``of``, the path, errors magnified
     vary         a figure ``of`` of a scenario against values of a key, or against
                  another figure ``over``
-    broken       L, S or T (``of``) measured at a signal of the co-simulation; of
-                 several signals the largest singular value
+    broken       L, S or T (``of``) measured at a signal of the co-simulation from
+                 ``lowest`` (Hz) up; of several signals the largest singular value
     call         ``of`` of the arrays that a function returns over the first of them
                  or over ``over``; of a complex one the real part (Nyquist plots)
     rows         figures of ``reference.toml``, ours ``at`` these places
     x_data       numbers that the source prints, with ``y_data``
 
 ``part`` takes magnitude, db, phase, real or imag; ``relative`` divides by the first
-value; values are converted to the units of the axes, those of a function as they are.
+value.  Values are converted to the units of the axes, those of a function as they
+are, times ``factor``.
 """
 
 from collections.abc import Mapping
@@ -76,6 +77,7 @@ class Curve(Strict):
     vary: str | None = None
     values: Numbers = Field(default=(), strict=False)
     broken: str | None = None
+    lowest: int = Field(default=1, ge=1)
     call: str | None = None
     arguments: dict[str, Any] = Field(default_factory=dict)
     rows: tuple[str, ...] = Field(default=(), strict=False)
@@ -83,6 +85,7 @@ class Curve(Strict):
     published: bool = False
     x_data: Numbers = Field(default=(), strict=False)
     y_data: Numbers = Field(default=(), strict=False)
+    factor: float = 1.0
     part: Part | None = None
     relative: bool = False
     from_zero: bool = False
