@@ -29,6 +29,7 @@ from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.shared import Shared
 from orchestrator.instances.spawn import stand_alone
+from orchestrator.instances.state import restore_here, save_here
 from orchestrator.native import library as c
 
 
@@ -96,7 +97,7 @@ class _Server:
         self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
-        if request in ("bind", "step", "exchange"):
+        if request in ("bind", "step", "exchange", "save", "restore"):
             return getattr(self, request)(*arguments)
         return getattr(self.instance, request)(*arguments)
 
@@ -112,6 +113,15 @@ class _Server:
         if self.by_channel:
             self.kernel = self._kernel()
             self.listening = True
+
+    def save(self) -> list[bytes]:
+        """Return the FMU's state, with the inputs that were handed over set."""
+        self._set_inputs()
+        self.shared.doing = len(c.DOING)
+        return [save_here(self.instance)]
+
+    def restore(self, state: bytes) -> None:
+        restore_here(self.instance, state)
 
     def _kernel(self) -> c.Kernel:
         """Return a kernel of which this FMU is the only part."""
@@ -157,23 +167,23 @@ class _Server:
 
     def exchange(self) -> None:
         """Set inputs that were given, get outputs; through the pipe."""
-        if self.shared.given:
-            self.shared.doing = c.DOING.index("set")
-            self.instance.push()
-            self.shared.given = 0
+        self._set_inputs()
         self.shared.doing = c.DOING.index("get")
         self.instance.pull()
         self.shared.doing = len(c.DOING)
 
     def step(self) -> None:
         """Set inputs that were given, step, get outputs; through the pipe."""
+        self._set_inputs()
+        self.shared.doing = c.DOING.index("doStep")
+        self.instance.step(self.shared.t, self.shared.h)
+        self.exchange()
+
+    def _set_inputs(self) -> None:
         if self.shared.given:
             self.shared.doing = c.DOING.index("set")
             self.instance.push()
             self.shared.given = 0
-        self.shared.doing = c.DOING.index("doStep")
-        self.instance.step(self.shared.t, self.shared.h)
-        self.exchange()
 
 
 def _import_tools() -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
+from orchestrator.report.composed import composed
 from orchestrator.report.contour import contours
 from orchestrator.report.embedded import recorded
 from orchestrator.report.facts import computed, table, what_ran
@@ -69,6 +70,7 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         plot,
         recorded(drawing.curves),
         *_contours(runs),
+        *composed(runs),
         *(
             computed(
                 run, f"{name}{run.scenario.name}" if len(runs) > 1 else name_of(run)
@@ -133,6 +135,7 @@ th, td { text-align: left; vertical-align: top; padding: 4px 20px 4px 0;
   border-bottom: 1px solid #eceff3; }
 th { color: #565d66; font-weight: 600; }
 code { font: 13px ui-monospace, monospace; }
+.picture { overflow-x: auto; }
 summary { cursor: pointer; color: #1f5fa8; }
 .good { color: #2e8b57; } .bad { color: #d1495b; }
 .warning { border-left: 3px solid #e09f3e; padding-left: 12px; max-width: 90ch; }
@@ -140,7 +143,8 @@ summary { cursor: pointer; color: #1f5fa8; }
 @media print {
   body { font-size: 11px; max-width: none; padding: 0; }
   h1, h2, h3, summary { break-after: avoid; }
-  tr, .plotly-graph-div { break-inside: avoid; }
+  tr, .plotly-graph-div, .picture { break-inside: avoid; }
+  .picture svg { max-width: 100%; max-height: 250mm; }
   .modebar { display: none; }
 }
 </style></head><body>
