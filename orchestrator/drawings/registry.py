@@ -20,10 +20,11 @@ A key of a curve may stand at its panel or at the figure; the nearer counts,
 ``arguments`` merge and ``set`` adds up.  ``base = "fig_6_7"`` takes over another
 figure, key by key.  A curve has one source:
 
-    scenario     a run's signal ``of``, less ``against``, times ``scale``, over time
-                 or over the signal ``over`` less ``over_against``; ``window`` (s)
-                 takes a part, ``show`` its rate, spectrum, density (per root of Hz),
-                 or, for a contour metric ``of``, the path, errors magnified
+    scenario     a run's signal ``of``, less ``against``, times ``scale / per``, over
+                 time or over the signal ``over`` less ``over_against``; ``window``
+                 (s) takes a part, ``show`` its rate, spectrum, density (per root of
+                 Hz), or, for a contour metric ``of``, the path, errors magnified;
+                 ``design.<step>.<name>`` is an array that a design step has found
     vary         a figure ``of`` of a scenario against values of a key, or against
                  another figure ``over``
     broken       L, S or T (``of``) measured at a signal of the co-simulation from
@@ -34,8 +35,9 @@ figure, key by key.  A curve has one source:
     x_data       numbers that the source prints, with ``y_data``
 
 ``part`` takes magnitude, db, phase, real or imag; ``relative`` divides by the first
-value.  Values are converted to the units of the axes, those of a function as they
-are, times ``factor``.
+value, ``origin`` and ``x_origin`` count from the first value, from the last, or what is
+left to the last.  Values are converted to the units of the axes, those of a function as
+they are; then times ``factor`` and x to the ``power``.
 """
 
 from collections.abc import Mapping
@@ -56,6 +58,7 @@ SOURCES = ("vary", "broken", "call", "rows", "x_data")
 FROM_RUN = ("vary", "broken")  # sources that name a scenario besides
 
 Part = Literal["magnitude", "db", "phase", "real", "imag"]
+Origin = Literal["first", "last", "left"]
 Numbers = tuple[float, ...]
 
 
@@ -72,6 +75,7 @@ class Curve(Strict):
     scenario: str | None = None
     set: tuple[str, ...] = Field(default=(), strict=False)
     scale: float | str = 1.0
+    per: float | str = 1.0
     window: tuple[float, float] | None = Field(default=None, strict=False)
     show: Literal["signal", "rate", "spectrum", "density", "contour"] = "signal"
     vary: str | None = None
@@ -88,7 +92,9 @@ class Curve(Strict):
     factor: float = 1.0
     part: Part | None = None
     relative: bool = False
-    from_zero: bool = False
+    power: int = 0
+    origin: Origin | None = None
+    x_origin: Origin | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

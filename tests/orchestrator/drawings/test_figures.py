@@ -24,6 +24,15 @@ from orchestrator.scenario.reading import find_study
 NUMBERS: dict[str, dict[str, Sequence[int]]] = {
     "ball_screw_pole_placement": {"3_": range(1, 16)},
     "gantry": {"4_": range(1, 23)},
+    "leadscrew_nctf": {
+        "2_": range(1, 5),
+        "3_": range(1, 15),
+        "4_": range(1, 15),
+        "5_": range(1, 10),
+        "6_": range(1, 20),
+        "7_": range(1, 6),
+        "A_": range(1, 4),
+    },
     # the source's numbers leave out 5 and 6
     "cascade_nppi": {"": [1, 2, 3, 4, 7, 8, 9, 10, 11]},
 }
@@ -32,6 +41,7 @@ SAMPLE = {
     ("ball_screw_pole_placement", "fig_3_14"),
     ("gantry", "fig_4_5"),
     ("cascade_nppi", "fig_8"),
+    ("leadscrew_nctf", "fig_5_4"),
 }
 
 
