@@ -1,5 +1,6 @@
 """Verbs on the published studies: ``demo``, ``reproduce``."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -19,6 +20,7 @@ from orchestrator.evaluation.compare import number
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
+    from orchestrator.reproduction.reproduce import Reproduction
 
 STUDY = "ball_screw_pole_placement"
 COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
@@ -108,6 +110,9 @@ def reproduce(
     only: Annotated[
         str, typer.Option(metavar="PATTERN", help="only figures like 'mc_ppc.*'")
     ] = "*",
+    figures: Annotated[
+        bool, typer.Option("--figures", help="make the page with the source's figures")
+    ] = False,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -120,10 +125,28 @@ def reproduce(
         done = reproduce_study(
             study, only, told=lambda name: echo(f"ran {name}", err=True)
         )
+    told = done.as_json(study)
+    if figures:
+        told["page"] = str(_page(study, done))
     if json:
-        print_json(done.as_json(study))
+        print_json(told)
     else:
         print_reproduction(study, done)
+        if figures:
+            echo(f"figures and tables: {told['page']}")
     if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:
         echo(f"acceptance missed: {', '.join(failed)}", err=True)
         raise typer.Exit(1)
+
+
+def _page(study: str, done: "Reproduction") -> Path:
+    from orchestrator.drawings.page import write_figures
+    from orchestrator.drawings.registry import read_registry
+    from orchestrator.scenario.reading import find_study
+
+    registry = read_registry(find_study(study))
+    file = done.folder / "figures.html"
+    with waiting(f"drawing the figures of {study}"):
+        return write_figures(
+            registry, done, file, told=lambda number: echo(f"drew {number}", err=True)
+        )
