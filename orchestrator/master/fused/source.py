@@ -68,9 +68,6 @@ class Source:
                 self.programs.setdefault(program, len(self.programs))
         count = Counter(own.model for own in self.own.values())
         self._often = {model for model, n in count.items() if n > FEW}
-        few = {n: own for n, own in self.own.items() if own.model not in self._often}
-        self._pairs: dict[str, Pair] = {}
-        self._beside = {p: pairs(p, few, self._pairs) for p in self.programs}
 
     @property
     def whole(self) -> bool:
@@ -79,10 +76,12 @@ class Source:
 
     def text(self) -> str:
         """Return the source."""
+        few = {n: own for n, own in self.own.items() if own.model not in self._often}
+        known: dict[str, Pair] = {}
         programs = [
             line
             for program, number in self.programs.items()
-            for line in self._program(number, program)
+            for line in self._program(number, program, pairs(program, few, known))
         ]
         return "\n".join(
             [
@@ -95,7 +94,7 @@ class Source:
                 '#include "called.h"',
                 "#endif",
                 *self._models(),
-                *(line for pair in self._pairs.values() for line in pair.text()),
+                *(line for pair in known.values() for line in pair.text()),
                 *programs,
                 *self._dispatch(),
                 *self._adopted(),
@@ -116,11 +115,12 @@ class Source:
 
     # programs
 
-    def _program(self, number: int, program: Program) -> Iterator[str]:
+    def _program(
+        self, number: int, program: Program, found: Mapping[int, tuple[int, Pair]]
+    ) -> Iterator[str]:
         yield f"static int program_{number}(Engine *e, int64_t k, double t) {{"
         yield "    V *const z = e->vector;"
         yield "    (void)z, (void)k, (void)t;"
-        found = self._beside[program]
         beside = {tick: pair.sampled for tick, pair in found.values()}
         for i, op in enumerate(program):
             if i in found:
