@@ -17,6 +17,7 @@ from orchestrator.instances.logs import LogMessage
 from orchestrator.result import Result
 
 LARGEST = 64 << 20  # bytes of a frame
+TOO_LARGE = 1 << 64  # for a whole number
 _ERRORS = {kind.__name__: kind for kind in (FeedDriveError, FmuError, SimulationError)}
 
 
@@ -124,8 +125,9 @@ def _nothing(told: Any) -> None:
 
 
 def _number(told: Any) -> float:
-    if not isinstance(told, float | int):
-        raise TypeError("no number")
+    whole = isinstance(told, int) and abs(told) < TOO_LARGE
+    if not (whole or isinstance(told, float)):
+        raise TypeError("no number of FMI")
     return told  # a whole one stays so: it may have 64 bits
 
 
