@@ -125,8 +125,9 @@ def _nothing(told: Any) -> None:
 
 
 def _number(told: Any) -> float:
-    whole = isinstance(told, int) and abs(told) < TOO_LARGE
-    if not (whole or isinstance(told, float)):
+    if not isinstance(told, float | int):
+        raise TypeError("no number")
+    if isinstance(told, int) and abs(told) >= TOO_LARGE:
         raise TypeError("no number of FMI")
     return told  # a whole one stays so: it may have 64 bits
 
