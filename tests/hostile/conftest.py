@@ -28,3 +28,12 @@ def pytest_collection_modifyitems(
 
 def pytest_report_header(config: pytest.Config) -> str:
     return f"hostile draws from: {seed()}" if config.getoption("--hostile") else ""
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what tests have told, such as what came of every call that failed."""
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            for name, value in getattr(report, "user_properties", ()):
+                if name == "told" and report.when == "call":
+                    terminalreporter.write_line(str(value))
