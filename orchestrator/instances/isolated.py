@@ -59,6 +59,7 @@ class IsolatedInstance:
         folder: Path,
         log: Callable[[str, LogMessage], None],
         isolation: Isolation,
+        clocks: bool = False,
     ) -> None:
         if mp.current_process().daemon:
             raise SimulationError(
@@ -85,7 +86,7 @@ class IsolatedInstance:
         self._link = c.Link(within=isolation.answer_within)
         self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
         self._child = Child(
-            *(serve, name, description, folder, isolation.memory_limit),
+            *(serve, name, description, folder, isolation.memory_limit, clocks),
             self._library is not None,
             log=self._hear,
             ended=self._note_end,
@@ -156,9 +157,8 @@ class IsolatedInstance:
                 self.outputs = [Bundle(self, vector, first_output, m, *functions)]
 
     def push(self) -> None:
-        to, values = self._to
-        to[:] = values
         assert self._channel is not None
+        self._to[0][:] = self._to[1]
         self._channel.given = self._link.stale = 1
 
     def step(self, t: float, h: float) -> None:

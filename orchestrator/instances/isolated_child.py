@@ -20,6 +20,7 @@ from typing import Any, NoReturn
 from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.folders.temporary import sweep_when_free
+from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.descendants import MARK, end_marked
 from orchestrator.instances.frames import encode
 from orchestrator.instances.group import group_table
@@ -39,11 +40,13 @@ def serve(
     description: FmuDescription,
     folder: Path,
     memory_limit: float | None,
+    clocks: bool,
     shared: bool,
 ) -> None:
     """Load an FMU and carry out requests until one is to close.
 
-    ``shared``: requests to step come through the channel, not the pipe.
+    ``clocks``: it is ticked by its clock if it has one.  ``shared``: requests to step
+    come through the channel, not the pipe.
     """
     _stand_alone(folder)
     lock = Lock()
@@ -60,7 +63,8 @@ def serve(
             _limit_memory(memory_limit)
         _import_tools()
         send("begun", None)  # from here on the FMU's own code may run
-        server = _Server(load(name, description, folder, log), folder, shared, pipe)
+        instance = load(name, description, folder, log, clocks=clocks)
+        server = _Server(instance, folder, shared, pipe)
         send("done", None)
     except FeedDriveError as error:
         send("error", error)
@@ -128,6 +132,7 @@ class _Server:
         instance = self.instance
         groups = [instance.inputs, instance.outputs]
         tables = [(c.Group * len(g))(*map(group_table, g)) for g in groups]
+        ticker = instance.ticker() if isinstance(instance, ClockedInstance) else None
         part = c.Part(
             instance=instance.slave.value,
             do_step=c.address(instance.do_step),
@@ -138,8 +143,9 @@ class _Server:
             n_outputs=len(tables[1]),
             outcome=ctypes.addressof(instance.outcome),
             major=instance.step_major,
+            ticker=ctypes.addressof(ticker) if ticker else None,
         )
-        self._kept = tables, part
+        self._kept = tables, part, ticker
         return c.Kernel(parts=ctypes.addressof(part))
 
     def listen(self) -> FeedDriveError | None:
@@ -152,6 +158,9 @@ class _Server:
         status, group = int(kernel.status), int(kernel.group)
         if how == "step":
             return instance.failed_step(float(kernel.h), status)
+        if how == "tick":
+            assert isinstance(instance, ClockedInstance)
+            return instance.failed_tick(status)
         if how == "get":
             return instance.outputs[group].failure("get", status)
         if how == "set":

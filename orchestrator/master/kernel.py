@@ -294,14 +294,7 @@ class Kernel:
     def _ticker(self, instance: Instance) -> int | None:
         if not isinstance(instance, ClockedInstance):
             return None
-        ticker = c.Ticker(
-            set_clock=c.address(instance.set_clock),
-            update=c.address(instance.update),
-            enter_step=c.address(instance.enter_step),
-            enter_event=c.address(instance.enter_event),
-            reference=instance.clock_reference.value,
-        )
-        return addressof(self._array(c.Ticker, [ticker]))
+        return addressof(self._array(c.Ticker, [instance.ticker()]))
 
     def _table(self, table: Table) -> c.Table:
         sources = self._array(c_void_p, [self._at(int(i)) for i in table.index])
