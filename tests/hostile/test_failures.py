@@ -251,13 +251,15 @@ def fail(warm: Place, folder: Path, verb: str, at: int, right: Any) -> str:
 def test_a_call_that_fails_makes_nothing_wrong(
     verb: str,
     number: int,
+    record_property: Callable[[str, object], None],
     warm: Place,
     known: Callable[[str], tuple[int, Any]],
     tmp_path: Path,
 ) -> None:
     calls, right = known(verb)
     at = 1 + drawn(f"failure {verb} {number}").randrange(calls)
-    fail(warm, tmp_path / "it", verb, at, right)
+    what = fail(warm, tmp_path / "it", verb, at, right)
+    record_property("told", f"{verb}, one of {calls} calls fails: {what}")
 
 
 @pytest.mark.parametrize("verb", FAILING)
