@@ -70,7 +70,8 @@ class Shots:
         self._hz = self._lines / float(self._n * rates.T)
         injected = [self._injected(full, i) for i in range(len(full.breaks))]
         self._D = [spectra(d, self._n, self._lines)[0] for d in injected]
-        nothing: list[Real | None] = [None] * len(injected)
+        # zeros too are injected: so all runs are of one program, compiled once
+        nothing = [np.zeros(self._n)] * len(injected)
         self._runs = [self._of(nothing)]
         for i, d in enumerate(injected):
             self._runs.append(self._of([*nothing[:i], d, *nothing[i + 1 :]]))
@@ -83,7 +84,7 @@ class Shots:
         d = signal(self._lines, shape, self._n, "multisine", generator)
         return full.amplitude[i] * d
 
-    def _of(self, injected: Sequence[Real | None]) -> "_Runs":
+    def _of(self, injected: Sequence[Real]) -> "_Runs":
         system = self._bench.system(injected, self._n, SETTLING + 1)
         names = tuple(b.name for b in self._bench.breaks)
         return _Runs(system, names, self._loaded)

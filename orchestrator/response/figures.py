@@ -198,6 +198,11 @@ def _of_loops(found: Response) -> Iterator[str]:
             f"of each line, {100 * found.alias:.2g} % appears at others, and its "
             f"margins prove nothing; break {found.slower} instead"
         )
+    if len(set(found.units)) > 1:
+        yield (
+            f"s_max and modulus_margin are of breaks in {', '.join(found.units)} "
+            f"together, and change with these units; the loops' own margins do not"
+        )
     if min(loop.crossover_hz for loop in found.loops) < 4 * found.hz[0]:
         yield (
             f"crossovers are near the lowest line: give a --from below "
