@@ -199,12 +199,20 @@ class WholeSource(Source):
         here = f"foreign + {one.index}"
         if op.code == "advance":
             t = f"seconds_of(e, k - {back})"
-            return _or_fail(f"foreign_step(e, {here}, k, {t}, {op.h.hex()})")
+            step = _or_fail(f"foreign_step(e, {here}, k, {t}, {op.h.hex()})")
+            return "\n    ".join([*self._given(one), step])
         if op.code == "read":
             return _or_fail(f"foreign_read(e, {here}, k)")
         if op.code == "write":
             return "\n    ".join(self._written(one))
         return "\n    ".join(self._copied(one.part.copies))
+
+    def _given(self, one: Foreign) -> Iterator[str]:
+        """Write how what was set outside acts from the step on it was set for."""
+        for v in one.inputs:
+            value = f"e->parts[{one.number}].values + {one.slot(v.name)}"
+            what = f"{TYPES[v.fmi_type]}, {v.reference}, {value}"
+            yield _or_fail(f"foreign_give(e, foreign + {one.index}, k, {what})")
 
     def _written(self, one: Foreign, k: str = "k") -> Iterator[str]:
         place = one.part.first_input

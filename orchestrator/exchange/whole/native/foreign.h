@@ -222,6 +222,14 @@ static int foreign_write(Engine *e, const Foreign *f, int64_t k) {
     return 1;
 }
 
+/* One input that comes from outside. */
+static inline int foreign_give(Engine *e, const Foreign *f, int64_t k, int type,
+                               uint32_t reference, const double *value) {
+    const Loaded *l = (Loaded *)e->kernel + f->index;
+    return set_all(l, type, &reference, 1, 1, value) ||
+           stopped(e, NOT_FINITE_STEP, f->part, k);
+}
+
 static int foreign_read(Engine *e, const Foreign *f, int64_t k) {
     const Loaded *l = (Loaded *)e->kernel + f->index;
     for (const Group *g = f->outputs; g < f->outputs + f->n_outputs; g++) {
