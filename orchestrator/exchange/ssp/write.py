@@ -54,7 +54,10 @@ from orchestrator.scenario.lock import locked
 from orchestrator.system import Component, System, split_name
 
 REST = "resources/feeddrive.toml"
-_IN_SSD = ("fmu", "step", "offset", "latency", "kind", "split", "parameters", "start")
+_IN_SSD = (
+    *("fmu", "step", "offset", "latency", "kind", "split", "interface"),
+    *("parameters", "start"),
+)
 _OF_REST = ("title", "description", "faults", "record", "metrics", "expect")
 _NANO = Fraction(1, 10**9)
 

@@ -10,11 +10,14 @@ from packages import component, experiment, package, parameter_set, ssd
 from small_packages import KINDS, STEP, elements, values
 from third_party import installed
 from typer.testing import CliRunner
+from wholes import SMALL, composed
 
+from fmus.build import build
 from fmus.compile import PLATFORMS
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
-from orchestrator.exchange.ssp.load import load_package, schema_faults
+from orchestrator.exchange.ssp.load import load_package, read_package, schema_faults
+from orchestrator.exchange.ssp.write import export_ssp
 from orchestrator.fmu.description import read_fmu
 from orchestrator.session import run
 
@@ -135,6 +138,31 @@ def test_fmus_of_a_package_are_for_the_platforms_asked_for(
     refused = CliRunner().invoke(app, [*asked, "--platform", "macos-arm64"])
     assert refused.exit_code == 2
     assert "has no binary for it; it has linux64" in refused.output
+
+
+def test_an_fmu_with_both_interfaces_is_integrated_where_it_says_so(
+    tmp_path: Path,
+) -> None:
+    fmu = build(str(SMALL / "spring_mass.py"))
+    name = next(iter(read_fmu(fmu).outputs))
+    found = {}
+    for how in ("CoSimulation", "ModelExchange"):
+        part = component("a", "r.fmu", "", f'implementation="{how}"')
+        text = ssd(elements(part), experiment(annotations=STEP))
+        members = {"SystemStructure.ssd": text, "r.fmu": fmu}
+        scenario = load_package(package(tmp_path / f"{how}.ssp", members))
+        by = scenario.spec.components["a"].interface
+        assert by == ("model_exchange" if how == "ModelExchange" else None)
+        done = run(scenario, tmp_path / how, report=False)
+        found[how] = [float(v) for v in done[f"a.{name}"].values]
+        lock = (tmp_path / how / "scenario.lock.toml").read_text()
+        assert ("interface" in lock) == (how == "ModelExchange")
+        again = export_ssp(
+            composed(tmp_path / how / "scenario.lock.toml"), tmp_path / "x.ssp"
+        )
+        assert read_package(again).components["a"].get("interface") == by
+    assert found["ModelExchange"] == pytest.approx(found["CoSimulation"], rel=1e-4)
+    assert found["ModelExchange"] != found["CoSimulation"]
 
 
 def test_a_package_that_another_tool_wrote_runs(plain: Path, tmp_path: Path) -> None:
