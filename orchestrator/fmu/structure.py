@@ -68,6 +68,7 @@ def _by_interface(fmu: FmuDescription, component: Component) -> FmuDescription:
     return replace(
         fmu,
         co_simulation=False,
+        clock=None,
         model_identifier=told.get("modelIdentifier", ""),
         needs_execution_tool=told.get("needsExecutionTool") in ("true", "1"),
         once_per_process=told.get("canBeInstantiatedOnlyOncePerProcess")
