@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[Fraction], None]
 Also = Callable[[Run], Mapping[str, Any]]
+Watched = Callable[[Path, "Timetable"], None]
 
 
 def run(
@@ -79,13 +80,15 @@ def execute(
     profile: bool = False,
     checkpoint: Fraction | None = None,
     also: Also = lambda done: {},
+    watched: Watched = lambda folder, timetable: None,
 ) -> Run:
     """Simulate a composition into a folder of its own and evaluate it.
 
     ``folder`` and ``overwrite`` as for ``run``, ``executor`` and ``profile`` as for
     ``simulate``.  ``checkpoint``: so much simulated time (s) lies between two points
     from which ``resume`` can go on.  What ``also`` returns belongs to the figures of
-    the run, which is not complete before.
+    the run, which is not complete before.  ``watched`` is told its folder before the
+    first step.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
@@ -105,6 +108,7 @@ def execute(
         checkpoints = Checkpoints(checkpoint)
     with taken(folder, begun, overwrite=overwrite) as place:
         write_lock(composition, place.path)
+        watched(place.path, timetable)
         options = {"executor": executor, "profile": profile}
         done = _evaluated(
             composition, timetable, place, progress, checkpoints, **options

@@ -15,17 +15,21 @@ import typer
 from orchestrator.cli import (
     build,
     check,
+    compare,
     design,
+    doctor,
     export,
     figure,
     fit,
     fmus,
     importing,
+    new,
     response,
     resume,
     run,
     runs,
     second_opinion,
+    serve,
     shown,
     study,
     sweep,
@@ -63,6 +67,7 @@ def common(
 
 for verb in (
     study.demo,
+    new.new,
     study.scenarios,
     fmus.models,
     build.build,
@@ -74,6 +79,8 @@ for verb in (
     run.run,
     resume.resume,
     runs.runs,
+    compare.compare,
+    compare.plot,
     sweep.sweep,
     response.response,
     tune.tune,
@@ -82,7 +89,9 @@ for verb in (
     study.reproduce,
     figure.figure,
     second_opinion.second_opinion,
+    serve.serve,
     design.design,
+    doctor.doctor,
 ):
     app.command()(verb)
 app.command("import")(importing.import_)

@@ -51,7 +51,7 @@ LOG = logging.getLogger("feeddrive")
 _UNSAID = Isolation()
 NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
 LONGEST_LINE = 10_000_000  # numbers that one latency or delay holds back
-BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
+BETWEEN = 0.1  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
 Choice: TypeAlias = Literal["kernel", "python", "fused"]
@@ -87,7 +87,7 @@ def simulate(
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``timetable`` is what ``plan`` returned for it, if that was asked before.
-    ``progress`` is told the time reached (s), about four times a second.
+    ``progress`` is told the time reached (s), about ten times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.  ``recorded`` is told the result before FMUs are freed.
     With ``checkpoints`` a run that is killed can be gone on with.
