@@ -110,7 +110,7 @@ class FmuDescription:
     ``internal_step`` (s) is what communication steps should be a multiple of.
     ``saves_state``: its state can be got, written down and set.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
-    reference of the input clock with that period, which ticks it, if it has one.  ``units`` are the
+    reference of the input clock with that period, by which it is ticked.  ``units`` are
     definitions of all units it names.
     """
 
