@@ -255,45 +255,70 @@ class Source:
         if opened:
             yield f"enum {{ CIRCLE = {len(opened)}, SUBSTITUTIONS = {SUBSTITUTIONS} }};"
             yield '#include "circle.h"'
-        yield "/* NaN in the lanes where an input is given what is not finite */"
-        yield "static V sweep(Engine *e) {"
-        yield "    V *const z = e->vector, bad = (V)0.0;"
+        yield "/* bad: NaN in the lanes where an input is given what is not finite */"
+        yield "static int sweep(Engine *e, V *bad) {"
+        yield "    V *const z = e->vector;"
+        yield "    *bad = (V)0.0;"
         for name in order:
-            own = self.own[name]
-            kept = [c for c in own.part.copies if c.sink not in opened]
-            lines = [*written(own), f"{own.function}_refresh({own.instance});"]
-            lines += [*values_read(own), *published(own), *self._copied(kept)]
-            lines += [f"bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
+            copies = self.wiring.parts[name].copies
+            kept = [c for c in copies if c.sink not in opened]
+            lines = [*self._evaluated(name), *self._copied(kept)]
+            lines += [f"*bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
             yield from (f"    {line}" for line in lines)
-        yield "    return bad;"
+        yield "    return 1;"
         yield "}"
         yield "EXPORTED int engine_start(Engine *e) {"
         yield "    V *const z = e->vector;"
-        for own in self.own.values():
-            yield f"    {own.function}_derive(e->parts[{own.index}].values);"
-            for place, reference, _ in elements(own.part.inputs, own.part.first_input):
-                yield f"    z[{place}] = {own.value(reference)};"
+        for name in self.parts:
+            yield from (f"    {line}" for line in self._entered(name))
         yield from self._circles(opened)
-        for own in self.own.values():
-            yield from (f"    {line}" for line in written(own))
-            yield f"    {own.function}_refresh({own.instance});"
-            yield f"    {own.function}_begin({own.instance});"
-            y, x = own.equations["y"], own.equations["x"]
-            count = x + own.equations["n_x"] - y
-            found = f"wrong(&{own.value(y)}, {count})" if count else "(V)0.0"
-            yield f"    if (!go_on(e, {found}, {own.index}, 0)) return 0;"
-        for own in self.own.values():
-            lines = [*values_read(own), *published(own)]
-            lines += self._copied(own.part.copies)
+        for name in self.parts:
+            yield from (f"    {line}" for line in self._left(name))
+        for name in self.parts:
+            lines = [*self._told(name), *self._copied(self.wiring.parts[name].copies)]
             yield from (f"    {line}" for line in lines)
         yield "    settle(e);"
         yield "    return 1;"
         yield "}"
 
+    # what a component does there
+
+    def _entered(self, name: str) -> Iterator[str]:
+        """Write how it is brought into initialisation, and what its inputs are."""
+        own = self.own[name]
+        yield f"{own.function}_derive(e->parts[{own.index}].values);"
+        for place, reference, _ in elements(own.part.inputs, own.part.first_input):
+            yield f"z[{place}] = {own.value(reference)};"
+
+    def _evaluated(self, name: str) -> Iterator[str]:
+        """Write how its inputs become outputs while it is there."""
+        own = self.own[name]
+        yield from written(own)
+        yield f"{own.function}_refresh({own.instance});"
+        yield from self._told(name)
+
+    def _left(self, name: str) -> Iterator[str]:
+        """Write how it leaves initialisation."""
+        own = self.own[name]
+        yield from written(own)
+        yield f"{own.function}_refresh({own.instance});"
+        yield f"{own.function}_begin({own.instance});"
+        y, x = own.equations["y"], own.equations["x"]
+        count = x + own.equations["n_x"] - y
+        found = f"wrong(&{own.value(y)}, {count})" if count else "(V)0.0"
+        yield f"if (!go_on(e, {found}, {own.index}, 0)) return 0;"
+
+    def _told(self, name: str) -> Iterator[str]:
+        """Write how its outputs are read and published."""
+        own = self.own[name]
+        yield from values_read(own)
+        yield from published(own)
+
     def _circles(self, opened: Mapping[int, Copy]) -> Iterator[str]:
         """Write the sweeps: one, or until every lane has found its inputs."""
+        yield "    V bad = (V)0.0;"
         if not opened:
-            yield "    sweep(e);"
+            yield "    if (!sweep(e, &bad)) return 0;"
             return
         if len(opened) > OPENED:
             yield "    return stopped(e, UNSETTLED, 0, 0);"
@@ -306,7 +331,7 @@ class Source:
         yield "    for (int going = 1; going;) {"
         for i, place in enumerate(opened):
             yield f"        z[{place}] = asked[{i}];"
-        yield "        V bad = sweep(e);"
+        yield "        if (!sweep(e, &bad)) return 0;"
         for i, copy in enumerate(opened.values()):
             value = affine_text(f"z[{copy.source}]", copy.affine)
             yield f"        given[{i}] = {value};"
