@@ -153,24 +153,12 @@ def _page(
     before: "Responded | None",
     path: Path,
 ) -> None:
-    from orchestrator.report.responded import Curve, write_responded
-    from orchestrator.response.figures import words
+    from orchestrator.report.responded import write_responded
+    from orchestrator.response.figures import curves, words
 
-    found = [(n, r, False) for n, r in (("", one),)]
+    drawn = curves(one, "after " if before else "")
     if before:
-        found = [("after ", one, False), ("before ", before.responses[name], True)]
-    curves = [
-        Curve(
-            f"{label}{broken}",
-            r.hz,
-            1 / r.S[:, i, i] - 1,
-            r.S[:, i, i],
-            1 - r.S[:, i, i],
-            other,
-        )
-        for label, r, other in found
-        for i, broken in enumerate(r.breaks)
-    ]
+        drawn += curves(before.responses[name], "before ", other=True)
     tables: list[tuple[Sequence[str], Sequence[Sequence[str]]]] = [
         (["loop", "at (Hz)", "margin"], list(_margin_rows(one)))
     ]
@@ -180,7 +168,7 @@ def _page(
         f"{composition.scenario.name}: {', '.join(one.breaks)}",
         list(words(one)),
         tables,
-        curves,
+        drawn,
         dict(_borders(composition, name)),
         path,
     )

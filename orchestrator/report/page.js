@@ -22,11 +22,23 @@
     Plotly.relayout(plot, { ...Object.fromEntries(entries), "margin.l": left });
   }
 
+  /* Draw the plots of what is opened: those nobody looks at take no time. */
+  function unfold(details) {
+    const place = details.querySelector("div");
+    const told = details.querySelector('script[type="application/json"]');
+    if (!details.open || place.children.length) return;
+    const { data, layout } = JSON.parse(told.textContent);
+    Plotly.newPlot(place, data, layout, { displaylogo: false, responsive: true });
+  }
+  document.querySelectorAll("details.folded").forEach((d) =>
+    d.addEventListener("toggle", () => unfold(d)));
+
   const fitAll = () => plots().forEach((p) => fit(p, innerWidth < NARROW));
   fitAll();
   addEventListener("resize", fitAll);
   addEventListener("beforeprint", () => {
     document.querySelectorAll("details").forEach((d) => { d.open = true; });
+    document.querySelectorAll("details.folded").forEach(unfold);
     plots().forEach((p) => Plotly.relayout(p, { width: PAPER, autosize: false }));
   });
   addEventListener("afterprint", () =>

@@ -30,13 +30,22 @@ def shown(plot: Any) -> str:
     return text
 
 
+def folded(title: str, plot: Any) -> str:
+    """Return a Plotly figure that is drawn when its title is opened, or printed."""
+    content = plot.to_json().replace("<", "\\u003c")
+    return (
+        f"<details class=folded><summary>{escape(title)}</summary><div></div>"
+        f'<script type="application/json">{content}</script></details>'
+    )
+
+
 def written(title: str, parts: Iterable[str], path: Path) -> Path:
     """Write a page of these parts under its title and return its path."""
     from plotly.offline import get_plotlyjs
 
     path.parent.mkdir(parents=True, exist_ok=True)
     body = "\n".join(parts)
-    plotly = f"<script>{get_plotlyjs()}</script>" if "Plotly." in body else ""
+    plotly = f"<script>{get_plotlyjs()}</script>" if _draws(body) else ""
     style, script = (f.read_text(encoding="utf-8") for f in (STYLE, SCRIPT))
     path.write_text(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -47,3 +56,7 @@ def written(title: str, parts: Iterable[str], path: Path) -> Path:
         encoding="utf-8",
     )
     return path
+
+
+def _draws(body: str) -> bool:
+    return "Plotly." in body or "<details class=folded>" in body

@@ -11,9 +11,9 @@
   const number = (n) => n.toLocaleString("en-US");
 
   async function decoded(text, n) {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const packed = await fetch(`data:application/octet-stream;base64,${text}`);
     const inflate = new DecompressionStream("deflate");
-    const stream = new Blob([bytes]).stream().pipeThrough(inflate);
+    const stream = (await packed.blob()).stream().pipeThrough(inflate);
     const planes = new Uint8Array(await new Response(stream).arrayBuffer());
     const raw = new Uint8Array(8 * n);
     for (let byte = 0; byte < 8; byte++)

@@ -8,6 +8,7 @@ import numpy as np
 
 from orchestrator.errors import ResponseError
 from orchestrator.quantities.quantity import Quantity
+from orchestrator.report.responded import Curve
 from orchestrator.response.margins import Margins, delayed, margins
 from orchestrator.response.measure import Response
 from orchestrator.scenario.responses import FIGURES
@@ -126,6 +127,21 @@ def words(found: Response) -> Iterator[str]:
             f"crossovers are near the lowest line: give a --from below "
             f"{found.hz[0]:g} Hz"
         )
+
+
+def curves(found: Response, label: str = "", *, other: bool = False) -> list[Curve]:
+    """Return the loops of a response as they are drawn; ``other`` ones are grey."""
+    return [
+        Curve(
+            f"{label}{broken}",
+            found.hz,
+            1 / found.S[:, i, i] - 1,
+            found.S[:, i, i],
+            1 - found.S[:, i, i],
+            other,
+        )
+        for i, broken in enumerate(found.breaks)
+    ]
 
 
 def write_table(found: Response, file: Path) -> Path:

@@ -24,6 +24,7 @@ from orchestrator.response.column import Column, column
 from orchestrator.response.excitation import Form, Grid, grid
 from orchestrator.response.margins import Margins, margins, peak
 from orchestrator.scenario.compose import Composition
+from orchestrator.shown import framed
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -68,6 +69,14 @@ class Response:
     slower: str | None
     range: Real
     measured: tuple[float, float]
+
+    def _repr_html_(self) -> str:
+        from orchestrator.report.responded import write_responded
+        from orchestrator.response.figures import curves, words
+
+        title, told = ", ".join(self.breaks), list(words(self))
+        drawn = curves(self)
+        return framed(lambda f: write_responded(title, told, [], drawn, {}, f))
 
     @property
     def loops(self) -> tuple[Margins, ...]:
