@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from printed import blocks, typed
 
+from orchestrator.supplied import PROJECT
+
 ROOT = Path(__file__).parents[1]
 PAGES = {
     "what-margin-is-left": "margin",
@@ -23,7 +25,8 @@ def page(name: str) -> str:
 
 
 def example(name: str, folder: Path) -> None:
-    source = ROOT / "docs" / "examples" / PAGES[name]
+    known = {"own_drive": PROJECT}
+    source = known.get(PAGES[name], ROOT / "docs" / "examples" / PAGES[name])
     shutil.copytree(source, folder, dirs_exist_ok=True)
 
 

@@ -50,8 +50,8 @@ def written(title: str, parts: Iterable[str], path: Path) -> Path:
     path.write_text(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{style}</style>{plotly}</head>"
-        f"<body><main><h1>{escape(title)}</h1>\n{body}\n</main>"
+        f"<title>{escape(title)}</title><style>{style}</style></head>"
+        f"<body>{plotly}<main><h1>{escape(title)}</h1>\n{body}\n</main>"
         f"<script>{script}</script></body></html>\n",
         encoding="utf-8",
     )

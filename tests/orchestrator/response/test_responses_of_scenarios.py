@@ -102,7 +102,7 @@ def test_one_break_is_asked_for_on_the_command_line_and_its_page_has_three_pictu
     names = pq.read_table("lines.parquet").column_names
     assert names == ["hz", "L_re", "L_im", "S_re", "S_im", "T_re", "T_im", "coherence"]
     page = Path("out/response.html").read_text()
-    assert page.count("plotly-graph-div") == 3
+    assert page.count('class="plotly-graph-div"') == 3
 
 
 def test_a_run_says_that_it_does_not_measure_responses(tmp_path: Path) -> None:
