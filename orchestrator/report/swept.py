@@ -30,7 +30,7 @@ def write_swept(
     """Write the page and return its path; ``words`` are said above the pictures."""
     told = [f"<p>{escape(line)}</p>" for line in words]
     pictures = _pictures(keys, rows, units, expect)
-    return written(name, [*told, *map(shown, pictures)], path)
+    return written(name, [*told, *map(shown, pictures)], path, whole=True)
 
 
 def _pictures(

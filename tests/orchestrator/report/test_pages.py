@@ -1,21 +1,23 @@
 """What a report says of errors and control signals, and how results show themselves."""
 
 import re
+from hashlib import sha256
 from html import unescape
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from plotly.offline import get_plotlyjs
 
 from orchestrator.evaluation.spectrum import amplitudes
 from orchestrator.report import analysed
 from orchestrator.report.notebook import write_scenario
 from orchestrator.report.page import write_report
+from orchestrator.report.shell import LINES
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 from orchestrator.shown import framed
 
+PLOTLY_BASIC_4_1_1 = "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba"
 TRACK = "ball_screw_pole_placement/mc_ppc_track_500"
 
 
@@ -64,8 +66,12 @@ def test_a_report_has_wiring_times_units_and_what_the_error_is_made_of(
     row = r"<td>plant\.u</td><td>controller\.u</td><td>V</td><td>50</td>"
     assert re.search(row, page)
     assert page.count("<!doctype html>") == 1
-    own = page.replace(get_plotlyjs(), "")
+    own = page.replace(LINES.read_text(), "")
     assert not re.search(r"""(src|href)=["']""", own)
+
+
+def test_the_library_is_the_file_that_was_published() -> None:
+    assert sha256(LINES.read_bytes()).hexdigest() == PLOTLY_BASIC_4_1_1
 
 
 def test_two_runs_of_one_wiring_show_it_once(track: SimpleNamespace, tmp_path) -> None:
