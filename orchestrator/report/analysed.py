@@ -100,7 +100,7 @@ def _plot(series: Sequence[Series]) -> Any:
 
     first = series[0]
     is_error = first.position is not None
-    titles = ["amplitude spectrum", "density"]
+    titles = ["amplitude spectrum", "density (% of the rows)"]
     if is_error:
         titles += ["over position", "over velocity", _worst_title(series)]
     rows: list[list[Any]] = [[{}, {}]]
@@ -144,11 +144,10 @@ def _plot(series: Sequence[Series]) -> Any:
         col=1,
     )
     plot.update_xaxes(title_text=f"value{unit}", row=1, col=2)
-    plot.update_yaxes(title_text="share of the rows (%)", row=1, col=2)
     if is_error:
         plot.update_xaxes(title_text=f"position ({first.along})", row=2, col=1)
         plot.update_xaxes(title_text=f"velocity ({first.along}/s)", row=2, col=2)
-        plot.update_yaxes(title_text=f"error{unit}", row=2)
+        plot.update_yaxes(title_text=f"error{unit}", row=2, col=1)
         plot.update_xaxes(title_text="time (s)", row=3, col=1)
         plot.update_yaxes(title_text=f"error{unit}", row=3, col=1)
     plot.update_layout(

@@ -2,7 +2,7 @@
  * is printed, and puts legends into their panels where the screen is narrow. */
 "use strict";
 (() => {
-  const NARROW = 700, PAPER = 680;
+  const NARROW = 700, PAPER = { width: 680, height: 900 }; /* px of A4 */
   const plots = () => [...document.querySelectorAll(".js-plotly-plot")];
   const legends = (plot) =>
     Object.keys(plot.layout).filter((key) => /^legend\d*$/.test(key));
@@ -39,8 +39,13 @@
   addEventListener("beforeprint", () => {
     document.querySelectorAll("details").forEach((d) => { d.open = true; });
     document.querySelectorAll("details.folded").forEach(unfold);
-    plots().forEach((p) => Plotly.relayout(p, { width: PAPER, autosize: false }));
+    plots().forEach((p) => {
+      p.tall = p.layout.height;
+      const height = Math.min(p.tall || PAPER.height, PAPER.height); /* one page */
+      Plotly.relayout(p, { width: PAPER.width, height, autosize: false });
+    });
   });
   addEventListener("afterprint", () =>
-    plots().forEach((p) => Plotly.relayout(p, { width: null, autosize: true })));
+    plots().forEach((p) =>
+      Plotly.relayout(p, { width: null, height: p.tall, autosize: true })));
 })();

@@ -15,7 +15,7 @@ from orchestrator.report.shell import shown, written
 
 HEIGHT = 420
 FAILED = "#d1495b"
-HELD = "#1f5fa8"
+HELD = "#2f78c4"
 
 
 def write_swept(
