@@ -29,7 +29,8 @@ FINE = 400  # lines of a spectrum from the lowest on that are all drawn
 WORST = 0.02  # of the rows that the enlarged stretch has, at least
 FEWEST = 60
 DECADES = 8.0  # of a spectrum in view; more are there
-HEIGHT = 300.0
+HEIGHT = 300.0  # pixels of a row of panels
+GAP = 0.12  # between two rows, of the plot's height
 
 
 class Series(NamedTuple):
@@ -95,69 +96,91 @@ def _controls(run: "Run", number: int) -> Iterator[tuple[str, Series]]:
                 yield f"{name}: what the control signal is made of", series
 
 
-def _plot(series: Sequence[Series]) -> Any:
-    from plotly.subplots import make_subplots
-
+def _plot(series: Sequence[Series]) -> dict[str, Any]:
+    """Return what Plotly draws, as data: its Python objects take ten times as long."""
     first = series[0]
-    is_error = first.position is not None
-    titles = ["amplitude spectrum", "density (% of the rows)"]
-    if is_error:
-        titles += ["over position", "over velocity", _worst_title(series)]
-    rows: list[list[Any]] = [[{}, {}]]
-    rows += [[{}, {}], [{"colspan": 2}, None]] if is_error else []
-    plot = make_subplots(
-        rows=len(rows),
-        cols=2,
-        specs=rows,
-        subplot_titles=titles,
-        horizontal_spacing=0.12,
-        vertical_spacing=0.11 if is_error else 0.2,
-    )
-    for one in series:
-        for i, (x, y) in enumerate(_curves(one)):
-            plot.add_scatter(
-                x=x,
-                y=y,
-                name=one.label,
-                legendgroup=one.label,
-                showlegend=len(series) > 1 and i == 0,
-                mode="lines+markers" if i == 4 else "lines",
-                marker={"size": 3},
-                line={
-                    "color": COLOURS[one.run % len(COLOURS)],
-                    "width": 1.2,
-                    "shape": "hvh" if i == 1 else "linear",
-                },
-                row=1 + i // 2,
-                col=1 + i % 2,
-            )
     unit = "" if first.unit == "1" else f" ({first.unit})"
-    plot.update_xaxes(type="log", title_text="frequency (Hz)", row=1, col=1)
     top = max(float(np.max(next(_curves(one))[1])) for one in series)
     high = np.log10(top) + 0.3 if top > 0 else 0.0
-    plot.update_yaxes(
-        type="log",
-        exponentformat="power",
-        range=[high - DECADES, high],
-        title_text=f"amplitude{unit}",
-        row=1,
-        col=1,
-    )
-    plot.update_xaxes(title_text=f"value{unit}", row=1, col=2)
-    if is_error:
-        plot.update_xaxes(title_text=f"position ({first.along})", row=2, col=1)
-        plot.update_xaxes(title_text=f"velocity ({first.along}/s)", row=2, col=2)
-        plot.update_yaxes(title_text=f"error{unit}", row=2, col=1)
-        plot.update_xaxes(title_text="time (s)", row=3, col=1)
-        plot.update_yaxes(title_text=f"error{unit}", row=3, col=1)
-    plot.update_layout(
-        template="plotly_white",
-        height=80 + HEIGHT * len(rows),
-        margin={"l": 80, "r": 20, "t": 50, "b": 50},
-        legend={"orientation": "h", "y": 1.08},
-        font={"family": "system-ui, sans-serif", "size": 13, "color": "#22262b"},
-    )
-    return plot
+    powers = {"type": "log", "exponentformat": "power", "range": [high - DECADES, high]}
+    panels: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
+        (
+            "amplitude spectrum",
+            "frequency (Hz)",
+            {"type": "log"},
+            {**powers, "title": {"text": f"amplitude{unit}"}},
+        ),
+        ("density (% of the rows)", f"value{unit}", {}, {}),
+    ]
+    if first.position is not None:
+        error = {"title": {"text": f"error{unit}"}}
+        panels += [
+            ("over position", f"position ({first.along})", {}, error),
+            ("over velocity", f"velocity ({first.along}/s)", {}, {}),
+            (_worst_title(series), "time (s)", {}, error),
+        ]
+    rows = (len(panels) + 1) // 2
+    layout: dict[str, Any] = {
+        "height": 80 + HEIGHT * rows,
+        "margin": {"l": 80, "r": 20, "t": 50, "b": 50},
+        "legend": {"orientation": "h", "y": 1.08},
+        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#22262b"},
+        "annotations": [],
+    }
+    for i, (title, below, x, y) in enumerate(panels):
+        number = str(i + 1) if i else ""
+        place = _place(i, len(panels))
+        ends = {"x": place[0], "y": place[1]}
+        grid = {"gridcolor": "#e8ecf1", "zerolinecolor": "#d3d9e0"}
+        x = {**x, **grid, "title": {"text": below}, "anchor": f"y{number}"}
+        y = {**y, **grid, "anchor": f"x{number}", "automargin": True}
+        layout[f"xaxis{number}"] = {**x, "domain": ends["x"]}
+        layout[f"yaxis{number}"] = {**y, "domain": ends["y"]}
+        layout["annotations"].append(
+            {
+                "text": title,
+                "x": sum(ends["x"]) / 2,
+                "y": ends["y"][1],
+                "xref": "paper",
+                "yref": "paper",
+                "xanchor": "center",
+                "yanchor": "bottom",
+                "showarrow": False,
+                "font": {"size": 15},
+            }
+        )
+    traces = [
+        {
+            "type": "scatter",
+            "x": x.tolist(),
+            "y": y.tolist(),
+            "name": one.label,
+            "legendgroup": one.label,
+            "showlegend": len(series) > 1 and i == 0,
+            "mode": "lines+markers" if i == 4 else "lines",
+            "marker": {"size": 3},
+            "line": {
+                "color": COLOURS[one.run % len(COLOURS)],
+                "width": 1.2,
+                "shape": "hvh" if i == 1 else "linear",
+            },
+            "xaxis": f"x{i + 1 if i else ''}",
+            "yaxis": f"y{i + 1 if i else ''}",
+        }
+        for one in series
+        for i, (x, y) in enumerate(_curves(one))
+    ]
+    return {"data": traces, "layout": layout}
+
+
+def _place(i: int, count: int) -> tuple[list[float], list[float]]:
+    """Return from where to where panel i of some reaches, of the plot's size."""
+    rows, row = (count + 1) // 2, i // 2
+    alone = i == count - 1 and count % 2 == 1
+    x = [0.0, 1.0] if alone else [0.0, 0.44] if i % 2 == 0 else [0.56, 1.0]
+    share = (1 + GAP) / rows
+    top = 1 - row * share
+    return x, [max(0.0, top - share + GAP), top]
 
 
 def _curves(one: Series) -> Iterator[tuple[Array, Array]]:

@@ -5,7 +5,8 @@ takes ``plotly/plotly-basic.min.js``, as it is published (4.1.1, MIT), a quarter
 the whole library in size and in the time that a browser needs to read it.
 """
 
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -33,9 +34,10 @@ def shown(plot: Any) -> str:
     return text
 
 
-def folded(title: str, plot: Any) -> str:
-    """Return a Plotly figure that is drawn when its title is opened, or printed."""
-    content = plot.to_json().replace("<", "\\u003c")
+def folded(title: str, plot: Mapping[str, Any]) -> str:
+    """Return a plot, ``data`` and ``layout`` as Plotly takes them, that is drawn when
+    its title is opened, or printed."""
+    content = json.dumps(plot).replace("<", "\\u003c")
     return (
         f"<details class=folded><summary>{escape(title)}</summary><div></div>"
         f'<script type="application/json">{content}</script></details>'
