@@ -105,12 +105,12 @@ def _plot(series: Sequence[Series]) -> dict[str, Any]:
     powers = {"type": "log", "exponentformat": "power", "range": [high - DECADES, high]}
     panels: list[tuple[str, str, dict[str, Any], dict[str, Any]]] = [
         (
-            "amplitude spectrum",
+            "spectrum",
             "frequency (Hz)",
             {"type": "log"},
             {**powers, "title": {"text": f"amplitude{unit}"}},
         ),
-        ("density (% of the rows)", f"value{unit}", {}, {}),
+        ("density (% of rows)", f"value{unit}", {}, {}),
     ]
     if first.position is not None:
         error = {"title": {"text": f"error{unit}"}}

@@ -1,6 +1,7 @@
 """What a report says of errors and control signals, and how results show themselves."""
 
 import re
+from fractions import Fraction
 from hashlib import sha256
 from html import unescape
 from types import SimpleNamespace
@@ -8,11 +9,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from orchestrator.analysis.sweep import Sweep
 from orchestrator.evaluation.spectrum import amplitudes
 from orchestrator.report import analysed
 from orchestrator.report.notebook import write_scenario
 from orchestrator.report.page import write_report
 from orchestrator.report.shell import LINES
+from orchestrator.response.measured import Response
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 from orchestrator.shown import framed
@@ -97,3 +100,24 @@ def test_what_a_notebook_shows_is_framed_and_nothing_leaves_the_frame(
     assert shown.count('"') == 2 * len(re.findall(r' \w+="', shown))
     assert "tracking.peak" in unescape(shown)
     assert "&lt;script" in framed(lambda file: file.write_text("<script>"))
+
+
+def test_a_sweep_and_a_response_show_their_pages() -> None:
+    rows = [
+        {"member": i, "plant.m": float(i), "x.peak": 2.0, "met": True, "broken": []}
+        | {"failure": None}
+        for i in range(3)
+    ]
+    found = Sweep("drive", ("plant.m",), tuple(rows), {"x.peak": "um"}, 1.0, ())
+    assert "3 members, yield 100 %" in unescape(found._repr_html_())
+    hz = np.logspace(0, 3, 50)
+    L = (100 / (2j * np.pi * hz))[:, None, None]
+    nothing = {"coherence": np.ones((50, 1)), "amplitude": (0.1,), "distortion": 0.0}
+    nothing |= {"alias": 0.0, "half": 0.0, "settled": 1, "realisations": 1}
+    nothing |= {"error": 0.0, "period": Fraction(1), "sample": Fraction(1, 1000)}
+    nothing |= {"slower": None, "range": np.zeros((1, 2)), "measured": (1.0, 2.0)}
+    loop = {"hz": hz, "L": L, "S": 1 / (1 + L), "T": L / (1 + L)}
+    response = Response(breaks=("controller.u",), units=("V",), **loop, **nothing)
+    shown = unescape(response._repr_html_())
+    assert shown.count('class="plotly-graph-div"') == 3
+    assert "<h1>controller.u</h1>" in shown
