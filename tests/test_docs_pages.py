@@ -6,18 +6,16 @@ from pathlib import Path
 import pytest
 from printed import blocks, typed
 
-from orchestrator.supplied import PROJECT
-
 ROOT = Path(__file__).parents[1]
 PAGES = {
     "what-margin-is-left": "margin",
     "tune": "margin",
     "measured-data": "measured_data",
-    "swap-my-plant": "own_drive",
-    "why-it-differs": "own_drive",
-    "add-a-drive": "own_drive",
+    "swap-my-plant": "",
+    "why-it-differs": "",
+    "add-a-drive": "",
 }
-PLAIN = {"what-margin-is-left": 1, "measured-data": 2, "add-a-drive": 1}  # commands
+PLAIN = {"what-margin-is-left": 1, "measured-data": 2, "add-a-drive": 2}  # commands
 
 
 def page(name: str) -> str:
@@ -25,9 +23,9 @@ def page(name: str) -> str:
 
 
 def example(name: str, folder: Path) -> None:
-    known = {"own_drive": PROJECT}
-    source = known.get(PAGES[name], ROOT / "docs" / "examples" / PAGES[name])
-    shutil.copytree(source, folder, dirs_exist_ok=True)
+    if PAGES[name]:
+        source = ROOT / "docs" / "examples" / PAGES[name]
+        shutil.copytree(source, folder, dirs_exist_ok=True)
 
 
 @pytest.mark.parametrize("name", PAGES)
