@@ -25,7 +25,8 @@ from orchestrator.report.contour import magnification, outline, traced
 from orchestrator.reproduction.published import Statement
 from orchestrator.reproduction.reference import FigureSpec, Reference, read_reference
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.response.measure import Response, measure
+from orchestrator.response.measure import measure
+from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.design import find_function
 from orchestrator.scenario.reading import load_scenario
