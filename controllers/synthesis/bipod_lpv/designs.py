@@ -21,9 +21,10 @@ import numpy as np
 import controllers.bipod
 from controllers.synthesis.bipod_lpv import single, smooth
 from controllers.synthesis.lpv import shipped, smooth_file
+from controllers.synthesis.lpv.descent import descend
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point
-from controllers.synthesis.lpv.smooth import Smooth, descend
+from controllers.synthesis.lpv.smooth import Smooth
 
 FOLDER = Path(controllers.bipod.__file__).parent
 NAMES = ["phi", "v_1"]

@@ -52,8 +52,8 @@ def text(
         "dense": certified(found, dense),
         **({"weights": dict(weights)} if weights else {}),
         "history": list(found.history),
-        "low": found.problem.low,
-        "high": found.problem.high,
+        "transitions": [list(t) for t in found.problem.transitions],
+        "free": list(found.free),
         "decay": found.problem.decay,
         "rate_bound": rate_bound(found, dense),
         "versions": shipped.versions(),
@@ -76,7 +76,8 @@ def read(content: Mapping[str, Any], begun: Smooth) -> Smooth:
         T_K=np.array(about["T_K"]),
         T=np.array(about["T"]),
         K=np.array(about["K"]),
-        P=np.array(about["P"]),
+        P=None if about["P"] is None else np.array(about["P"]),
+        free=tuple(about.get("free", begun.free)),
         history=tuple(about["history"]),
     )
 

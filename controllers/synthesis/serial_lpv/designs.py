@@ -17,9 +17,10 @@ import numpy as np
 
 import controllers.serial
 from controllers.synthesis.lpv import shipped, smooth_file
+from controllers.synthesis.lpv.descent import descend, find_P, find_slow_K
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point, grid
-from controllers.synthesis.lpv.smooth import Smooth, descend, find_P, find_slow_K
+from controllers.synthesis.lpv.smooth import Smooth
 from controllers.synthesis.serial_lpv import single, smooth
 
 FOLDER = Path(controllers.serial.__file__).parent
