@@ -31,7 +31,7 @@ NAMES = ["phi", "v_1"]
 HYSTERESIS = ["k_hysteresis_1.json", "k_hysteresis_2.json"]
 STEPS = 3  # of the descent's step 1
 SMOOTH_DEG = {
-    "k_smooth": np.linspace(10.0, 80.0, 57),
+    "k_smooth": np.array(single.TABLE_DEG),
     "k_smooth_tuned": np.array(
         [10, 40, 55, 63, 67, 70, 71.35, 72.7, 74.05, 75.4, 77, 78.5, 80]
     ),

@@ -87,7 +87,7 @@ def bisect(begun: Smooth, eta_d: float, low: float, width: float) -> Bisected:
 
 def reach(design: Smooth, gamma_d: float, eta_d: float) -> Smooth:
     """Return the design after steps 2, 3 and 1, until γ <= γ_d or falls no more."""
-    points = design.problem.points
+    points = design.problem.bounded(design.problem.points)
     while design.history[-1] > gamma_d:
         eta = max(eta_d, rate_bound(design, points))
         try:
@@ -114,7 +114,7 @@ def find_P(design: Smooth) -> Smooth:
 
     positive = [
         T.T @ terms(point)[0] @ T >> design.problem.least * np.eye(N)
-        for point in design.problem.points
+        for point in {point.rho: point for point in design.problem.points}.values()
         for T in [design.congruence(point.rho)]
     ]
     gamma = _least(cp, design, terms, positive)
@@ -144,30 +144,42 @@ def find_slow_K(
 
 
 def find_shares(design: Smooth) -> Smooth:
-    """Return the design with the α of least η that keeps γ (step 3, 3-a and 3-b).
+    """Return the design with the α of least η that keep γ (step 3).
 
-    Degree 6 leaves each α one number.  In it F1 and η are convex: where the least η
-    would lose γ, the last number on the way there that does not is taken.
+    Of two parameters one α after the other, until η falls no more (3-a, 3-b).
+    Degree 6 leaves each α one number.
     """
-    points, gamma = design.problem.points, design.problem.back_off * design.history[-1]
-    for i in range(len(design.free)):
-        now = design.free[i]
+    points = design.problem.bounded(design.problem.points)
+    eta, before = rate_bound(design, points), np.inf
+    while eta < (1 - LEAST_GAIN) * before:
+        for i in range(len(design.free)):
+            design = _with_share(design, i, points)
+        eta, before = rate_bound(design, points), eta
+    return design
 
-        def with_free(c: float, i: int = i, design: Smooth = design) -> Smooth:
-            return replace(design, free=(*design.free[:i], c, *design.free[i + 1 :]))
 
-        best = minimize_scalar(
-            lambda c, at=with_free: rate_bound(at(c), points),
-            bounds=(-FREE, FREE),
-            method="bounded",
-            options={"xatol": 1e-2, "maxiter": 25},
-        )
-        reach, c = 1.0, float(best.x)
-        while reach > 1e-2 and certified(with_free(c), points) > gamma:
-            reach /= 2
-            c = now + reach * (float(best.x) - now)
-        if reach > 1e-2 and best.fun < rate_bound(design, points):
-            design = with_free(c)
+def _with_share(design: Smooth, i: int, points: tuple[Sided, ...]) -> Smooth:
+    """Return the design with the free number of one α that makes η least.
+
+    F1 is convex in it: where the least η would lose γ, the last number found on the
+    way there that does not is taken.
+    """
+    gamma = design.problem.back_off * design.history[-1]
+    now = design.free[i]
+
+    def with_free(c: float) -> Smooth:
+        return replace(design, free=(*design.free[:i], c, *design.free[i + 1 :]))
+
+    best = minimize_scalar(
+        lambda c: rate_bound(with_free(c), points),
+        bounds=(-FREE, FREE),
+        method="bounded",
+        options={"xatol": 1e-2, "maxiter": 25},
+    )
+    for reach in 0.5 ** np.arange(7):
+        found = with_free(now + float(reach * (best.x - now)))
+        if certified(found, design.problem.points) <= gamma:
+            return found if best.fun < rate_bound(design, points) else design
     return design
 
 
@@ -200,7 +212,7 @@ def _slower(cp: Any, design: Smooth, K: list[Any], bound: Bound) -> list[Any]:
 
         return changes(loop, point)
 
-    for point in design.problem.points:
+    for point in design.problem.bounded(design.problem.points):
         moving = rates(point)
         parts = cp.Variable(len(moving)) if len(moving) > 1 else [bound.eta]
         for M, eta in zip(moving, parts, strict=True):

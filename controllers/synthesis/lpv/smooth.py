@@ -12,6 +12,7 @@ Source: Hanifzadegan 2014, sec. 6.1, 6.2, 6.4, eq. 6.12 to 6.14, 6.19, 6.36 to 6
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -125,11 +126,11 @@ def certified(
     ``K`` gives another controller in scaled units, a table's for example.
     """
     worst = 0.0
-    for point in points:
-        P, moving = design.storage(point)
-        T = design.congruence(point.rho)
-        loop = transformed(design.loop(point.rho, K and K(point.rho)), T)
-        worst = max(worst, gain_of_loop(loop, T.T @ P @ T, T.T @ moving @ T))
+    for rho, there in groupby(points, lambda point: point.rho):
+        T = design.congruence(rho)
+        loop = transformed(design.loop(rho, K and K(rho)), T)
+        for P, moving in map(design.storage, there):
+            worst = max(worst, gain_of_loop(loop, T.T @ P @ T, T.T @ moving @ T))
     return worst * design.start.units.gain
 
 

@@ -55,7 +55,7 @@ def text(
         "transitions": [list(t) for t in found.problem.transitions],
         "free": list(found.free),
         "decay": found.problem.decay,
-        "rate_bound": rate_bound(found, dense),
+        "rate_bound": rate_bound(found, _bounded(found, dense)),
         "versions": shipped.versions(),
         "balance": balance,
         "T_K": found.T_K,
@@ -100,9 +100,14 @@ def verified(
     def tabulated_K(rho: Values) -> System:
         return transformed(units.scaled(continuous(table.at(rho), table.T_s)), back)
 
+    bounded = _bounded(found, dense)
     return {
         "dense": certified(found, dense),
         "table": certified(found, dense, tabulated_K),
-        "eta_begun": rate_bound(begun, dense),
-        "eta": rate_bound(found, dense),
+        "eta_begun": rate_bound(begun, bounded),
+        "eta": rate_bound(found, bounded),
     }
+
+
+def _bounded(design: Smooth, dense: Sequence[Sided]) -> tuple[Sided, ...]:
+    return design.problem.bounded((*design.problem.points, *dense))

@@ -7,7 +7,7 @@ are blended (6.51).
 Source: Hanifzadegan 2014, sec. 6.1, 6.4, eq. 6.2, 6.36 to 6.38, 6.47 to 6.54.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -48,7 +48,8 @@ class Switching:
     """What a descent is told besides its start.
 
     ``K_basis`` gives f, ``P_basis`` p and its rates; the inequalities hold at
-    ``points``.  ``back_off`` is that of γ; P stays above ``least``, where the start's
+    ``points``, the bound of K's rate at all of them or, without ``everywhere``, where
+    K is blended.  ``back_off`` is that of γ; P stays above ``least``, where the start's
     P is the unit.
     """
 
@@ -60,6 +61,7 @@ class Switching:
     decay: float
     back_off: float = 1.01
     least: float = 1e-4
+    everywhere: bool = True
 
     def shares(self, rho: Values, free: tuple[float, ...]) -> Matrix:
         """Return the shares of all local controllers at ρ, with α's free numbers."""
@@ -88,12 +90,13 @@ class Switching:
         slopes = time * self.P_basis.slopes(rho, rate)
         return np.kron(shares, values), np.kron(rates, values) + np.kron(shares, slopes)
 
-    def handing_over(self, points: tuple[Sided, ...]) -> tuple[Sided, ...]:
-        """Return the points of a transition: where (6.12) bounds the rate of K."""
+    def bounded(self, points: Sequence[Sided]) -> tuple[Sided, ...]:
+        """Return those of points where the rate of K is bounded (6.12, 6.55)."""
         return tuple(
             point
             for point in points
-            if any(
+            if self.everywhere
+            or any(
                 transition.inside(point.rho, side)
                 for transition, side in zip(self.transitions, point.sides, strict=True)
             )
