@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-all test-hostile lint fmus bench pictures clean
+.PHONY: demo test test-all test-hostile lint fmus bench pictures docs clean
 
 demo: $(READY)
 	$(BIN)/feeddrive demo
@@ -42,3 +42,6 @@ clean:
 pictures: $(READY)
 	$(BIN)/python docs/make_pictures.py
 	$(BIN)/python docs/make_loop_pictures.py
+
+docs: $(READY)
+	$(BIN)/python docs/site/make.py

@@ -88,23 +88,23 @@ def publish(files: Sequence[Path], place: Path) -> None:
     try:
         ready.mkdir()
         for file in files:
-            _on_disk(file)
+            on_disk(file)
             file.rename(ready / file.name)
         told = "".join(f"{digest(ready / f.name)}  {f.name}\n" for f in files)
         (ready / DIGESTS).write_text(told, encoding="utf-8")
         for written in (ready / DIGESTS, ready):
-            _on_disk(written)
+            on_disk(written)
         try:
             ready.rename(place)
         except OSError:
             if not place.exists():
                 raise
-        _on_disk(place.parent)
+        on_disk(place.parent)
     except OSError as error:  # which need not name a file
         raise OSError(error.errno, error.strerror, str(place)) from None
 
 
-def _on_disk(path: Path) -> None:
+def on_disk(path: Path) -> None:
     """Wait until a file or the names in a folder are on the disk."""
     if sys.platform == "win32" and path.is_dir():
         return

@@ -110,7 +110,7 @@ def native_contents(
     contents |= {f"sources/{place}": file for place, file in subject.data.items()}
     if fmi == 3:
         contents["sources/buildDescription.xml"] = _build_description(subject)
-    return contents | _binaries(model.name, generated, fmi, platforms, cache)
+    return contents | binaries(model.name, generated, fmi, platforms, cache)
 
 
 def python_contents(
@@ -161,19 +161,26 @@ def _common(subject: Subject, fmi: Fmi, token: str) -> dict[str, bytes]:
     }
 
 
-def _binaries(
+def binaries(
     identifier: str,
     generated: Mapping[str, str],
     fmi: Fmi,
     platforms: Sequence[str],
     cache: Path,
+    adapters: Mapping[str, str] | None = None,
 ) -> dict[str, bytes]:
-    """Compile for every platform; FMI 2 has one folder for both kinds of Mac."""
+    """Compile for every platform; FMI 2 has one folder for both kinds of Mac.
+
+    ``adapters`` are ours of today by default.
+
+    Raises:
+        BuildError: C does not compile.
+    """
     slices: dict[str, dict[str, bytes]] = {}
     for name in platforms:
         platform = PLATFORMS[name]
         try:
-            library = compile_library(identifier, generated, name, cache)
+            library = compile_library(identifier, generated, name, cache, adapters)
         except CompileError as error:
             raise BuildError(str(error)) from error
         folder = platform.fmi2_folder if fmi == 2 else platform.fmi3_folder

@@ -8,6 +8,7 @@ step, so that a run that fails can be looked at and run again.
 import atexit
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import count
@@ -22,8 +23,9 @@ from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate, unit_doubts
 from orchestrator.folders.temporary import temporary_folder
-from orchestrator.history.folder import Begun, RunFolder, taken
+from orchestrator.history.folder import Begun, RunFolder, taken, taken_again
 from orchestrator.outcome import Run
+from orchestrator.quantities.quantity import parse_period, time_text
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.lock import LOCK, write_lock
@@ -31,11 +33,13 @@ from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.warned import collecting
 
 if TYPE_CHECKING:
+    from orchestrator.master.checkpoint import Checkpoints
     from orchestrator.master.simulate import Choice
     from orchestrator.master.timetable import Timetable
 
 Progress = Callable[[Fraction], None]
 Also = Callable[[Run], Mapping[str, Any]]
+Watched = Callable[[Path, "Timetable"], None]
 
 
 def run(
@@ -74,34 +78,83 @@ def execute(
     report: bool = True,
     executor: "Choice | None" = None,
     profile: bool = False,
+    checkpoint: Fraction | None = None,
     also: Also = lambda done: {},
+    watched: Watched = lambda folder, timetable: None,
 ) -> Run:
     """Simulate a composition into a folder of its own and evaluate it.
 
     ``folder`` and ``overwrite`` as for ``run``, ``executor`` and ``profile`` as for
-    ``simulate``; what ``also`` returns belongs to the figures of the run, which is
-    not complete before.
+    ``simulate``.  ``checkpoint``: so much simulated time (s) lies between two points
+    from which ``resume`` can go on.  What ``also`` returns belongs to the figures of
+    the run, which is not complete before.  ``watched`` is told its folder before the
+    first step.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
     """
+    from orchestrator.master.checkpoint import Checkpoints, refuse_unsaved
     from orchestrator.master.simulate import plan
 
     refuse_metrics(composition)
     timetable = plan(composition.system)
     _refuse_apart(composition, timetable)
     refuse_own_folder(folder, composition)
-    with taken(folder, _begun(composition), overwrite=overwrite) as place:
+    begun, checkpoints = _begun(composition), None
+    if checkpoint is not None:
+        refuse_unsaved(timetable, executor)
+        _refuse_baseline(composition)
+        begun = replace(begun, checkpoint=time_text(checkpoint))
+        checkpoints = Checkpoints(checkpoint)
+    with taken(folder, begun, overwrite=overwrite) as place:
         write_lock(composition, place.path)
+        watched(place.path, timetable)
+        options = {"executor": executor, "profile": profile}
         done = _evaluated(
-            composition, timetable, place, progress, executor, profile=profile
+            composition, timetable, place, progress, checkpoints, **options
         )
-        if report:
-            from orchestrator.report.page import write_report
-
-            write_report([done], place.path / "report.html")
-        place.complete({**done.summary(), **also(done)})
+        _complete(done, place, report=report, also=also)
     return done
+
+
+def resume(folder: Path, progress: Progress | None = None) -> tuple[Run, Begun]:
+    """Go on with a run that has checkpoints, from its lock, in its folder.
+
+    Raises:
+        FeedDriveError: there is nothing to go on with, or the run failed.
+    """
+    from orchestrator.master.checkpoint import Checkpoints
+    from orchestrator.master.simulate import plan
+
+    with taken_again(folder) as (place, begun):
+        if not (folder / LOCK).is_file():
+            raise ScenarioError(f"{folder}: ended before it was written down; run anew")
+        scenario = load_scenario(folder / LOCK)
+        with naming(scenario):
+            composition = compose(scenario, run_earlier)
+            timetable = plan(composition.system)
+            checkpoints = Checkpoints(parse_period(begun.checkpoint), resumed=True)
+            done = _evaluated(composition, timetable, place, progress, checkpoints)
+            _complete(done, place)
+    return done, begun
+
+
+def _complete(
+    done: Run, place: RunFolder, *, report: bool = True, also: Also = lambda done: {}
+) -> None:
+    if report:
+        from orchestrator.report.page import write_report
+
+        write_report([done], place.path / "report.html")
+    place.complete({**done.summary(), **also(done)})
+
+
+def _refuse_baseline(composition: Composition) -> None:
+    if composition.scenario.spec.expect_like is not None:
+        raise ScenarioError(
+            "checkpoints: a run that is resumed is not compared with a baseline "
+            "(expect_like), which its lock does not hold; run without --checkpoint"
+        )
 
 
 def _refuse_apart(composition: Composition, timetable: "Timetable") -> None:
@@ -124,9 +177,8 @@ def _evaluated(
     timetable: "Timetable",
     place: RunFolder,
     progress: Progress | None,
-    executor: "Choice | None",
-    *,
-    profile: bool,
+    checkpoints: "Checkpoints | None",
+    **options: Any,
 ) -> Run:
     from orchestrator.master.simulate import simulate
 
@@ -138,8 +190,8 @@ def _evaluated(
                 place.path,
                 timetable=timetable,
                 progress=progress,
-                executor=executor,
-                profile=profile,
+                checkpoints=checkpoints,
+                **options,
             )
     except SimulationError as error:
         if told := _diverged_before(composition, place.path):

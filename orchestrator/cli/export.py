@@ -8,7 +8,8 @@ import typer
 
 from orchestrator.cli.completion import run_names
 from orchestrator.cli.output import echo, executing, print_json, waiting
-from orchestrator.cli.run import Fmi, Json, Maps, Sets, Swaps
+from orchestrator.cli.run import Fmi as FmiOption
+from orchestrator.cli.run import Json, Maps, Sets, Swaps
 
 
 @executing
@@ -37,7 +38,7 @@ def export(
     sets: Sets = [],  # noqa: B006 - Typer copies it
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
-    fmi: Fmi = None,
+    fmi: FmiOption = None,
     inputs: Annotated[
         str | None,
         typer.Option("--inputs", help="free inputs of an .fmu: plant.d,drive.x_r"),
@@ -62,13 +63,13 @@ def export(
 
     scenario_only = (ssp, sets, swap, map, fmi, inputs, outputs, platform)
     if output.suffix.lower() == ".fmu":
-        if at is not None or ssp is not None or fmi not in (None, 2):
+        if at is not None or ssp is not None:
             raise ScenarioError(
-                f"{output}: a composition becomes an FMU of FMI 2, with --inputs, "
+                f"{output}: a composition becomes an FMU with --fmi, --inputs, "
                 f"--outputs and --platform"
             )
         ends = _listed(inputs), _listed(outputs)
-        written = _whole(run, sets, swap, map, output, *ends, platform)
+        written = _whole(run, sets, swap, map, output, *ends, platform, fmi)
     elif inputs or outputs or platform:
         raise ScenarioError(
             f"{output}: --inputs, --outputs and --platform are for a composition as "
@@ -133,18 +134,24 @@ def _whole(
     inputs: list[str],
     outputs: list[str],
     platforms: list[str],
+    fmi: int | None,
 ) -> Path:
     from fmus.compile import platforms_named
+    from fmus.subject import Fmi
     from orchestrator.cli.running import load
+    from orchestrator.errors import ScenarioError
     from orchestrator.exchange.whole.export import export_whole
     from orchestrator.scenario.compose import compose
     from orchestrator.session import naming, run_earlier
 
+    version: Fmi = 3 if fmi == 3 else 2
+    if fmi not in (None, 2, 3):
+        raise ScenarioError(f"--fmi {fmi}: there are FMI 2 and 3")
     scenario = load(name, sets, swaps, maps, None)
     wanted = [one for name in platforms for one in platforms_named(name)]
     with naming(scenario), waiting(f"building {output.name}"):
         composition = compose(scenario, run_earlier)
-        return export_whole(composition, output, inputs, outputs, wanted)
+        return export_whole(composition, output, inputs, outputs, wanted, version)
 
 
 def _folder(name: str) -> Path:

@@ -1,9 +1,7 @@
-"""Verbs that run a scenario or show when it steps: ``run``, ``schedule``."""
+"""The verb ``run``: run a scenario, print its figures."""
 
-from collections.abc import Mapping
 from dataclasses import asdict
 from enum import StrEnum
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,8 +14,8 @@ from orchestrator.cli.output import (
     print_json,
     print_table,
     set_up_logs,
-    waiting,
 )
+from orchestrator.cli.rows import time
 from orchestrator.cli.running import load, simulate
 from orchestrator.cli.swap import (
     ORIGINAL,
@@ -27,10 +25,9 @@ from orchestrator.cli.swap import (
     propose_map,
 )
 from orchestrator.evaluation.compare import number
-from orchestrator.quantities.quantity import NoValue, rate, time_text
+from orchestrator.quantities.quantity import NoValue
 
 if TYPE_CHECKING:
-    from orchestrator.master.ages import Plan
     from orchestrator.outcome import Run
     from orchestrator.profile import Profile
 
@@ -129,6 +126,10 @@ def run(
     profile: Annotated[
         bool, typer.Option("--profile", help="say where the time went")
     ] = False,
+    checkpoint: Annotated[
+        str | None,
+        typer.Option(metavar="S", help="simulated time between points to resume from"),
+    ] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -139,6 +140,12 @@ def run(
     if overwrite and output is None:
         raise ScenarioError(
             "--overwrite: belongs to -o FOLDER; without it every run has a new folder"
+        )
+    apart = time(checkpoint, "--checkpoint")
+    if apart is not None and swap:
+        raise ScenarioError(
+            "--checkpoint: a run with --swap is two runs, which cannot be resumed; "
+            "name the other FMU in the scenario"
         )
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
@@ -172,14 +179,22 @@ def run(
             "warnings": list(done.warnings),
         }
 
-    done = simulate(loaded, output, overwrite=overwrite, also=also, **options)
+    taking = {"overwrite": overwrite, "also": also, "checkpoint": apart}
+    done = simulate(loaded, output, **taking, **options)
     if json:
         print_json({**done.summary(), **told(done)})
     else:
         print_run(done)
         if beside:
             print_swap(beside["first"], done, beside["answers"])
-    changed = bool(sets or swap)  # then figures may well differ, but not be gone
+    conclude(done, changed=bool(sets or swap))
+
+
+def conclude(done: "Run", *, changed: bool) -> None:
+    """Say what is not as it should be, and end with 1 then.
+
+    Figures of a scenario that was changed may well differ, but not be gone.
+    """
     failed = [c.text for c in done.checks if not c.met and not (changed and c.decided)]
     if failed:
         echo("expectation not met: " + "; ".join(failed), err=True)
@@ -189,88 +204,6 @@ def run(
         echo(text, err=True)
     if failed or done.diverged or (done.unlike and not changed):
         raise typer.Exit(1)
-
-
-@executing
-def schedule(
-    scenario: ScenarioName,
-    sets: Sets = [],  # noqa: B006
-    swap: Swaps = [],  # noqa: B006
-    map: Maps = [],  # noqa: B006
-    socket: Sockets = [],  # noqa: B006
-    fmi: Fmi = None,
-    variant: Variant = None,
-    json: Json = False,
-    verbose: Verbose = False,
-) -> None:
-    """Show who steps when and in which order, and every hold, delay and age."""
-    from orchestrator.master.ages import describe_schedule
-    from orchestrator.scenario.compose import compose
-    from orchestrator.session import naming
-
-    set_up_logs(verbose)
-    loaded = load(scenario, sets, swap, map, fmi, variant, socket)
-    with naming(loaded), waiting("building FMUs"):
-        plan = describe_schedule(compose(loaded, None).system)
-    if json:
-        print_json(_exact(asdict(plan)))
-    else:
-        print_plan(plan)
-
-
-def print_plan(plan: "Plan") -> None:
-    """Print the turns of the components and what happens to every signal."""
-    from orchestrator.master.undriven import in_words
-
-    echo(
-        f"{plan.name}: {plan.stop} s in instants of {plan.tick} s, pattern repeats "
-        f"every {plan.hyperperiod} s"
-    )
-    turns = [
-        (t.component, t.kind, rate(t.period), t.offset, t.latency, f"{t.steps:,}")
-        for t in plan.turns
-    ]
-    print_table(
-        ["component", "kind", "step", "offset", "latency", ">steps"],
-        [[str(cell) for cell in turn] for turn in turns],
-        "Who steps when",
-    )
-    echo(f"order of the sampled components: {', '.join(plan.order) or 'none'}")
-    print_table(
-        ["source", "sink", "published", "read", ">youngest", ">oldest", "remark"],
-        [
-            [
-                a.source,
-                a.sink,
-                rate(a.published),
-                rate(a.read),
-                _us(a.youngest),
-                _us(a.oldest),
-                a.remark,
-            ]
-            for a in plan.ages
-        ],
-        "Age of every signal when it is taken",
-    )
-    for note in plan.notes:
-        echo(f"note: {note}")
-    for warning in plan.warnings:
-        echo(f"warning: {warning}")
-    if held := in_words(plan.undriven):
-        echo(held)
-
-
-def _us(seconds: Fraction) -> str:
-    return f"{float(seconds * 10**6):g} us"
-
-
-def _exact(value: Any) -> Any:
-    """Return a plan as JSON can hold it: fractions as exact text."""
-    if isinstance(value, Mapping):
-        return {key: _exact(v) for key, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_exact(v) for v in value]
-    return time_text(value) if isinstance(value, Fraction) else value
 
 
 def print_run(done: "Run") -> None:

@@ -107,6 +107,7 @@ class FmuDescription:
     ``dependencies`` maps every output to the inputs it depends on directly
     while stepping, ``initial_dependencies`` in initialisation; None means all.
     ``internal_step`` (s) is what communication steps should be a multiple of.
+    ``saves_state``: its state can be got, written down and set.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
     reference of the input clock with that period, if it has one.  ``units`` are the
     definitions of all units it names.
@@ -127,6 +128,7 @@ class FmuDescription:
     variable_step: bool
     internal_step: Fraction | None
     needs_execution_tool: bool
+    saves_state: bool
     once_per_process: bool
     co_simulation: bool
     model_exchange: bool
@@ -248,6 +250,7 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
         internal_step=_internal_step(root),
         needs_execution_tool=bool(interface and interface.needsExecutionTool),
+        saves_state=bool(cs and cs.canSerializeFMUstate),
         once_per_process=bool(
             interface and interface.canBeInstantiatedOnlyOncePerProcess
         ),

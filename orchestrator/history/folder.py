@@ -9,6 +9,7 @@ the user names::
     result/                   rows, readable throughout
     report.html
     ended.json                why a run failed or who interrupted it
+    checkpoint                from where it can be gone on with, until it has its tables
     metrics.json              written last, by rename: the run is complete
 
 It is held (``orchestrator.folders.held``) while the run is under way.  A run that was
@@ -36,18 +37,25 @@ BEGUN = "begun.json"
 ENDED = "ended.json"
 METRICS = "metrics.json"
 Kind: TypeAlias = Literal["run", "demo", "reproduce", "sweep", "response", "tune"]
-_FILES = (FORMAT_FILE, BEGUN, ENDED, METRICS, "report.html", "scenario.lock.toml")
+_FILES = (
+    *(FORMAT_FILE, BEGUN, ENDED, METRICS),
+    *("report.html", "scenario.lock.toml", "checkpoint"),
+)
 _FOLDERS = ("result", "fmus", "original")
 
 
 @dataclass(frozen=True)
 class Begun:
-    """What is run: ``name`` as ``run`` takes it, ``stop`` (s) if it has one."""
+    """What is run: ``name`` as ``run`` takes it, ``stop`` (s) if it has one.
+
+    ``checkpoint`` is how much simulated time (s) lies between two of them, exactly.
+    """
 
     kind: Kind
     name: str
     changed: tuple[str, ...] = ()
     stop: float | None = None
+    checkpoint: str | None = None
 
 
 @dataclass(frozen=True)
@@ -82,27 +90,68 @@ def taken(
         (place.path / FORMAT_FILE).write_text(f"{FORMAT}\n", encoding="utf-8")
         now = datetime.now(UTC).isoformat(timespec="microseconds")
         _write(place.path / BEGUN, {**asdict(begun), "begun": now})
-        try:
+        with _noted(place):
             yield place
-        except BaseException as error:
-            rows = _reached(place.path)
-            if isinstance(error, FeedDriveError):
-                if error.exit_code == 2 and not any(place.path.rglob("result")):
-                    _forget(place)
-                    raise
-                error.folder = None if rows is None else place.path
-            interrupted = isinstance(error, KeyboardInterrupt | Interrupted)
-            how = "interrupted" if interrupted else "failed"
-            with suppress(OSError):  # the disk may be full: the first error counts
-                _write(place.path / ENDED, {"how": how, "why": str(error)})
-            if not isinstance(error, KeyboardInterrupt) or rows is None:
-                raise
-            told = Interrupted(
-                f"interrupted at t = {rows:g} s; the rows until then are in "
-                f"{place.path}/result"
+
+
+@contextmanager
+def taken_again(folder: Path) -> Iterator[tuple[RunFolder, Begun]]:
+    """Take the folder of a run that has checkpoints and did not get to its end.
+
+    Raises:
+        ScenarioError: it is under way, is complete, or has no checkpoints.
+    """
+    if not (folder / BEGUN).is_file():
+        raise ScenarioError(f"{folder}: holds no run; `feeddrive runs` lists them")
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(held(folder))
+        except FolderHeld:
+            raise ScenarioError(f"{folder}: is under way") from None
+        if (folder / METRICS).exists():
+            raise ScenarioError(f"{folder}: is complete; there is nothing to resume")
+        try:
+            content = json.loads((folder / BEGUN).read_text(encoding="utf-8"))
+            del content["begun"]
+            begun = Begun(**{**content, "changed": tuple(content["changed"])})
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise ScenarioError(f"{folder / BEGUN}: is damaged ({error})") from None
+        if begun.checkpoint is None:
+            raise ScenarioError(
+                f"{folder}: has no checkpoints to go on from; run it anew, with "
+                f"--checkpoint"
             )
-            told.folder = place.path
-            raise told from None
+        number = int(folder.name) if folder.name.isdecimal() else None
+        place = RunFolder(folder, number)
+        with _noted(place):
+            (folder / ENDED).unlink(missing_ok=True)
+            yield place, begun
+
+
+@contextmanager
+def _noted(place: RunFolder) -> Iterator[None]:
+    """Note what ends a run, and tell a ``FeedDriveError`` where rows are."""
+    try:
+        yield
+    except BaseException as error:
+        rows = _reached(place.path)
+        if isinstance(error, FeedDriveError):
+            if error.exit_code == 2 and not any(place.path.rglob("result")):
+                _forget(place)
+                raise
+            error.folder = None if rows is None else place.path
+        interrupted = isinstance(error, KeyboardInterrupt | Interrupted)
+        how = "interrupted" if interrupted else "failed"
+        with suppress(OSError):  # the disk may be full: the first error counts
+            _write(place.path / ENDED, {"how": how, "why": str(error)})
+        if not isinstance(error, KeyboardInterrupt) or rows is None:
+            raise
+        told = Interrupted(
+            f"interrupted at t = {rows:g} s; the rows until then are in "
+            f"{place.path}/result"
+        )
+        told.folder = place.path
+        raise told from None
 
 
 def _forget(place: RunFolder) -> None:

@@ -18,6 +18,7 @@ from orchestrator.instances.doing import mark
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.group import DISCARD, OK, good, told
 from orchestrator.instances.instance import LocalInstance
+from orchestrator.native import library as c
 
 UPDATES = 100  # of one event
 
@@ -46,6 +47,16 @@ class ClockedInstance(LocalInstance):
         self.enter_step = self._function("fmi3EnterStepMode", 1)
         self.enter_event = self._function("fmi3EnterEventMode", 1)
         self._pending: tuple[float, float] | None = None
+
+    def ticker(self) -> c.Ticker:
+        """Return how the kernel ticks it, once it is bound."""
+        return c.Ticker(
+            set_clock=c.address(self.set_clock),
+            update=c.address(self.update),
+            enter_step=c.address(self.enter_step),
+            enter_event=c.address(self.enter_event),
+            reference=self.clock_reference.value,
+        )
 
     def _function(self, name: str, count: int) -> Any:
         pointers: list[Any] = [ctypes.c_void_p] * count

@@ -59,6 +59,7 @@ class IsolatedInstance:
         folder: Path,
         log: Callable[[str, LogMessage], None],
         isolation: Isolation,
+        clocks: bool = False,
     ) -> None:
         if mp.current_process().daemon:
             raise SimulationError(
@@ -85,7 +86,7 @@ class IsolatedInstance:
         self._link = c.Link(within=isolation.answer_within)
         self.slave = ctypes.c_void_p(ctypes.addressof(self._link))
         self._child = Child(
-            *(serve, name, description, folder, isolation.memory_limit),
+            *(serve, name, description, folder, isolation.memory_limit, clocks),
             self._library is not None,
             log=self._hear,
             ended=self._note_end,
@@ -98,27 +99,27 @@ class IsolatedInstance:
             within = max(self._isolation.answer_within, LOADED_WITHIN)
             self._answer("load", within)
             self._loaded = True
-        self._ask("instantiate")
+        self.ask("instantiate")
 
     def write(self, variables: Sequence[FmuVariable], values: list[Held]) -> None:
-        self._ask("write", list(variables), values)
+        self.ask("write", list(variables), values)
 
     def read(self, variables: Sequence[FmuVariable]) -> list[Held]:
         self._deliver()
-        answer = self._ask("read", list(variables))
+        answer = self.ask("read", list(variables))
         if not fit(answer, variables):
-            raise self._damaged("read")
+            raise self.damaged("read")
         return cast("list[Held]", answer)
 
     def set_up(self, start: float, stop: float | None, tolerance: float | None) -> None:
-        self._ask("set_up", start, stop, tolerance)
+        self.ask("set_up", start, stop, tolerance)
 
     def enter_initialization(self) -> None:
-        self._ask("enter_initialization")
+        self.ask("enter_initialization")
 
     def exit_initialization(self) -> None:
         self._deliver()
-        self._ask("exit_initialization")
+        self.ask("exit_initialization")
 
     def bind(
         self,
@@ -156,9 +157,8 @@ class IsolatedInstance:
                 self.outputs = [Bundle(self, vector, first_output, m, *functions)]
 
     def push(self) -> None:
-        to, values = self._to
-        to[:] = values
         assert self._channel is not None
+        self._to[0][:] = self._to[1]
         self._channel.given = self._link.stale = 1
 
     def step(self, t: float, h: float) -> None:
@@ -170,7 +170,7 @@ class IsolatedInstance:
         assert self._channel is not None
         self._channel.t, self._channel.h = t, h
         self._channel.steps += 1
-        self._ask("step")
+        self.ask("step")
         self._link.stale = 0
 
     def pull(self) -> None:
@@ -180,12 +180,12 @@ class IsolatedInstance:
         to[:] = values
 
     def quiet(self) -> None:
-        self._ask("quiet")
+        self.ask("quiet")
 
     def ended(self) -> SimulationError:
         """Return how the FMU ended the run by its latest step."""
-        end = self._ask("ended")
-        return end if isinstance(end, Ended) else self._damaged("ended")
+        end = self.ask("ended")
+        return end if isinstance(end, Ended) else self.damaged("ended")
 
     def failed_step(self, h: float, status: int) -> SimulationError:
         """Return the error for a request through the channel that went wrong."""
@@ -242,7 +242,7 @@ class IsolatedInstance:
 
     def _exchange(self) -> None:
         if self._library is None:
-            self._ask("exchange")
+            self.ask("exchange")
             self._link.stale = 0
         elif status := self._library.channel_ask(self.slave, c.ASK.index("exchange")):
             raise self.failed_step(0.0, status)
@@ -253,7 +253,7 @@ class IsolatedInstance:
         if status := self._library.channel_ask(self.slave, c.ASK.index("leave")):
             raise self.failed_step(0.0, status)
 
-    def _ask(self, request: str, *arguments: Any) -> Any:
+    def ask(self, request: str, *arguments: Any) -> Any:
         self._request(request, *arguments)
         return self._answer(request)
 
@@ -261,7 +261,7 @@ class IsolatedInstance:
         self._requests.append(request.replace("_", " "))
         self._leave()
         if self._child.unasked():
-            raise self._damaged(request)
+            raise self.damaged(request)
         self._link.stale = 1
         self._child.send(request, *arguments)
 
@@ -280,7 +280,7 @@ class IsolatedInstance:
         if kind == "ended":
             raise self._died(self._doing())
         if kind != ("begun" if request == "start" else "done"):
-            raise self._damaged(request)
+            raise self.damaged(request)
         return value
 
     def _hear(self, message: LogMessage) -> None:
@@ -300,7 +300,7 @@ class IsolatedInstance:
             f"{self._history()}"
         )
 
-    def _damaged(self, request: str) -> SimulationError:
+    def damaged(self, request: str) -> SimulationError:
         """Return the error for an answer that is none to this request."""
         self._child.damaged = True
         return self._died(request)

@@ -20,6 +20,7 @@ from typing import Any, NoReturn
 from orchestrator.errors import FeedDriveError, SimulationError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.folders.temporary import sweep_when_free
+from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.descendants import MARK, end_marked
 from orchestrator.instances.frames import encode
 from orchestrator.instances.group import group_table
@@ -29,6 +30,7 @@ from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.shared import Shared
 from orchestrator.instances.spawn import stand_alone
+from orchestrator.instances.state import restore_here, save_here
 from orchestrator.native import library as c
 
 
@@ -38,11 +40,13 @@ def serve(
     description: FmuDescription,
     folder: Path,
     memory_limit: float | None,
+    clocks: bool,
     shared: bool,
 ) -> None:
     """Load an FMU and carry out requests until one is to close.
 
-    ``shared``: requests to step come through the channel, not the pipe.
+    ``clocks``: it is ticked by its clock if it has one.  ``shared``: requests to step
+    come through the channel, not the pipe.
     """
     _stand_alone(folder)
     lock = Lock()
@@ -59,7 +63,8 @@ def serve(
             _limit_memory(memory_limit)
         _import_tools()
         send("begun", None)  # from here on the FMU's own code may run
-        server = _Server(load(name, description, folder, log), folder, shared, pipe)
+        instance = load(name, description, folder, log, clocks=clocks)
+        server = _Server(instance, folder, shared, pipe)
         send("done", None)
     except FeedDriveError as error:
         send("error", error)
@@ -96,7 +101,7 @@ class _Server:
         self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
-        if request in ("bind", "step", "exchange"):
+        if request in ("bind", "step", "exchange", "save", "restore"):
             return getattr(self, request)(*arguments)
         return getattr(self.instance, request)(*arguments)
 
@@ -113,11 +118,21 @@ class _Server:
             self.kernel = self._kernel()
             self.listening = True
 
+    def save(self) -> list[bytes]:
+        """Return the FMU's state, with the inputs that were handed over set."""
+        self._set_inputs()
+        self.shared.doing = len(c.DOING)
+        return [save_here(self.instance)]
+
+    def restore(self, state: bytes) -> None:
+        restore_here(self.instance, state)
+
     def _kernel(self) -> c.Kernel:
         """Return a kernel of which this FMU is the only part."""
         instance = self.instance
         groups = [instance.inputs, instance.outputs]
         tables = [(c.Group * len(g))(*map(group_table, g)) for g in groups]
+        ticker = instance.ticker() if isinstance(instance, ClockedInstance) else None
         part = c.Part(
             instance=instance.slave.value,
             do_step=c.address(instance.do_step),
@@ -128,8 +143,9 @@ class _Server:
             n_outputs=len(tables[1]),
             outcome=ctypes.addressof(instance.outcome),
             major=instance.step_major,
+            ticker=ctypes.addressof(ticker) if ticker else None,
         )
-        self._kept = tables, part
+        self._kept = tables, part, ticker
         return c.Kernel(parts=ctypes.addressof(part))
 
     def listen(self) -> FeedDriveError | None:
@@ -142,6 +158,9 @@ class _Server:
         status, group = int(kernel.status), int(kernel.group)
         if how == "step":
             return instance.failed_step(float(kernel.h), status)
+        if how == "tick":
+            assert isinstance(instance, ClockedInstance)
+            return instance.failed_tick(status)
         if how == "get":
             return instance.outputs[group].failure("get", status)
         if how == "set":
@@ -157,23 +176,23 @@ class _Server:
 
     def exchange(self) -> None:
         """Set inputs that were given, get outputs; through the pipe."""
-        if self.shared.given:
-            self.shared.doing = c.DOING.index("set")
-            self.instance.push()
-            self.shared.given = 0
+        self._set_inputs()
         self.shared.doing = c.DOING.index("get")
         self.instance.pull()
         self.shared.doing = len(c.DOING)
 
     def step(self) -> None:
         """Set inputs that were given, step, get outputs; through the pipe."""
+        self._set_inputs()
+        self.shared.doing = c.DOING.index("doStep")
+        self.instance.step(self.shared.t, self.shared.h)
+        self.exchange()
+
+    def _set_inputs(self) -> None:
         if self.shared.given:
             self.shared.doing = c.DOING.index("set")
             self.instance.push()
             self.shared.given = 0
-        self.shared.doing = c.DOING.index("doStep")
-        self.instance.step(self.shared.t, self.shared.h)
-        self.exchange()
 
 
 def _import_tools() -> None:

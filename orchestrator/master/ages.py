@@ -64,7 +64,12 @@ def describe_schedule(system: System) -> Plan:
     Raises:
         FmuError, WiringError, ScheduleError: as ``simulate`` would.
     """
-    timetable = plan(system)
+    return explained(plan(system))
+
+
+def explained(timetable: Timetable) -> Plan:
+    """Explain a timetable."""
+    system = timetable.wiring.system
     schedule, parts = timetable.schedule, timetable.wiring.parts
     steps = timetable.steps()
     turns = tuple(

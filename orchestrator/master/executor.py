@@ -6,6 +6,7 @@ Values move through one vector; every output read is checked to be finite.
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from itertools import islice
 from math import isfinite
 from time import perf_counter
 from typing import Any, Literal
@@ -18,6 +19,7 @@ from orchestrator.instances.protocol import Instance
 from orchestrator.master.faults import Faults
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, Views, carry, views
+from orchestrator.master.remembered import Remembered, Words
 from orchestrator.master.timetable import Op, Program, Timetable
 from orchestrator.profile import Spent
 
@@ -30,7 +32,8 @@ YIELDED = 256  # instants between two yields
 class Executor:
     """Runs a timetable on initialised instances; ``rows`` records a table's row.
 
-    ``count`` says how many instants are done.
+    ``count`` says how many instants are done; ``run`` goes on behind them.  It yields
+    as soon as the instant ``until`` is reached, if that is set.
     """
 
     name: Literal["kernel", "python", "fused"] = "python"
@@ -46,6 +49,7 @@ class Executor:
     ) -> None:
         self._profiled = profiled
         self.count = 0
+        self.until: int | None = None
         self._timetable = timetable
         self._seconds = timetable.schedule.seconds
         self._parts = timetable.wiring.parts
@@ -73,7 +77,7 @@ class Executor:
             Ended: an FMU ended the run.
         """
         instances = list(self._instances.values())
-        for k, program in self._timetable.instants():
+        for k, program in islice(self._timetable.instants(), self.count, None):
             _, actions = self._compiled.get(id(program)) or self._compile(program)
             for action in actions:
                 action(k)
@@ -81,8 +85,20 @@ class Executor:
             for instance in instances:
                 if instance.outcome.last:
                     raise instance.ended()
-            if self.count % YIELDED == 0:
+            paused = self.until is not None and k >= self.until
+            if paused or self.count % YIELDED == 0:
                 yield k
+
+    def remembered(self) -> Remembered:
+        """Return what is held back and what faults remember, between two instants."""
+        lines = {name: line.held() for name, line in self._lines.items()}
+        return Remembered(lines, self._faults.remembered())
+
+    def remember(self, known: Remembered) -> None:
+        """Take over what another executor of the same timetable remembered."""
+        for name, line in self._lines.items():
+            line.take(known.lines[name])
+        self._faults.remember(known.faults)
 
     def _compile(self, program: Program) -> tuple[Program, list[Action]]:
         actions = [self._action(op) for op in program]
@@ -176,6 +192,15 @@ class _Line:
         self._rest = part.read_size - part.delayed
         initial = bits[part.raw : part.raw + part.delayed].tolist()
         self._ring = [initial] * part.component.latency
+        self._head = 0
+
+    def held(self) -> Words:
+        """Return what is held back, the oldest first."""
+        rows = self._ring[self._head :] + self._ring[: self._head]
+        return np.array(rows, dtype=np.int64).reshape(-1)
+
+    def take(self, held: Words) -> None:
+        self._ring = held.reshape(len(self._ring), self._delayed).tolist()
         self._head = 0
 
     def release(self) -> None:

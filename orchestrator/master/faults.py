@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from orchestrator.master.layout import Faulty, Wiring
 from orchestrator.master.places import views
+from orchestrator.master.remembered import Words, numbers, words
 from orchestrator.master.schedule import Schedule
 from orchestrator.system import Fault, FaultKind
 
@@ -61,6 +62,15 @@ class Faults:
         for place in self._of[source] if source else self._inputs:
             place.renew(k, published=bool(source))
 
+    def remembered(self) -> Words:
+        """Return what all faulty numbers remember, one after the other."""
+        return np.concatenate([words([], "int64"), *(p.held() for p in self._inputs)])
+
+    def remember(self, known: Words) -> None:
+        """Take over what was remembered in a run of the same system."""
+        for place in self._inputs:
+            known = place.take(known)
+
 
 class _Input:
     """One number that has faults: ``clean`` is what it would receive."""
@@ -69,6 +79,7 @@ class _Input:
         self, faulty: Faulty, schedule: Schedule, view: Any, number: type[float]
     ) -> None:
         self._view, self._place, self._number = view, faulty.place, number
+        self._dtype = faulty.dtype
         self._there, self._back = faulty.affine, faulty.affine.inverse()
         self._clean: float = view[faulty.place]
         initial = self._ours(self._clean)
@@ -86,6 +97,19 @@ class _Input:
             value = self._there.gain * value + self._there.offset
         self._view[self._place] = self._number(value)
 
+    def held(self) -> Words:
+        chain = [value for fault in self._chain for value in fault.memory]
+        return words([self._clean, *chain], self._dtype)
+
+    def take(self, known: Words) -> Words:
+        """Take over what this number remembers; return the rest."""
+        sizes = [len(fault.memory) for fault in self._chain]
+        whole = 1 + sum(sizes)
+        self._clean, *rest = numbers(known[:whole], self._dtype)
+        for fault, size in zip(self._chain, sizes, strict=True):
+            fault.memory, rest = rest[:size], rest[size:]
+        return known[whole:]
+
     def _ours(self, value: float) -> float:
         back = self._back
         return back.gain * value + back.offset if self._there.converts else value
@@ -101,6 +125,18 @@ class _Acting:
         self._last = initial
         kept = fault.samples + 1
         self._line: deque[float] = deque([initial] * kept, maxlen=kept)
+
+    @property
+    def memory(self) -> list[float]:
+        """What it remembers: its line if it is a delay, else the last value."""
+        return list(self._line) if self._kind == "delay" else [self._last]
+
+    @memory.setter
+    def memory(self, known: list[float]) -> None:
+        if self._kind == "delay":
+            self._line.extend(known)
+        else:
+            (self._last,) = known
 
     def acts(self, k: int) -> bool:
         return k >= self._start and (self._end is None or k < self._end)

@@ -1,7 +1,7 @@
 """The faults of a system as the structures of faults.h, for one run or W lanes."""
 
 from collections.abc import Callable, Iterator, Sequence
-from ctypes import addressof
+from ctypes import addressof, c_int64
 from fractions import Fraction
 from math import ceil
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.master.layout import Faulty, Wiring
+from orchestrator.master.remembered import Words
 from orchestrator.native import library as c
 from orchestrator.system import Fault
 
@@ -45,6 +46,19 @@ def faulty_places(
             back_gain=back.gain,
             back_offset=back.offset,
         )
+
+
+def memories(faulty: Sequence[Any], n: int) -> list[Words]:
+    """Return views of what the first n of these structures remember, for one run."""
+    found: list[Words] = []
+    for one in faulty[:n]:
+        places = [(addressof(one), 1)]  # of clean, which comes first
+        for fault in (c.Fault * one.n).from_address(one.faults):
+            places.append((fault.memory, fault.samples + 1))
+        for at, size in places:
+            memory: Any = (c_int64 * size).from_address(at)
+            found.append(np.frombuffer(memory, np.int64))
+    return found
 
 
 def _fault(fault: Fault, faulty: Faulty, tick: Fraction, rooms: Rooms) -> c.Fault:

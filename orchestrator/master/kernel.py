@@ -20,10 +20,11 @@ from orchestrator.instances.doing import place
 from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
-from orchestrator.master.faulty import faulty_places
+from orchestrator.master.faulty import faulty_places, memories
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, carry, views
 from orchestrator.master.recorder import CHUNK, Table
+from orchestrator.master.remembered import Remembered, words
 from orchestrator.master.schedule import Stretch
 from orchestrator.master.timetable import Op, Program, Timetable
 from orchestrator.native import library as c
@@ -56,7 +57,10 @@ def _sorted(copies: Sequence[Copy]) -> list[Copy]:
 
 
 class Kernel:
-    """Runs a timetable on initialised instances; ``count`` instants are done."""
+    """Runs a timetable on initialised instances; ``count`` instants are done.
+
+    ``run`` goes on behind them, and yields when ``until`` is reached if it is set.
+    """
 
     name: Literal["kernel", "python", "fused"] = "kernel"
 
@@ -71,6 +75,8 @@ class Kernel:
     ) -> None:
         self._library = c.library()
         self.count = 0
+        self.until: int | None = None
+        self._lines: dict[str, Vector] = {}
         self._timetable, self._vector, self._tables = timetable, vector, tables
         self._instances = instances
         self._kept: list[Any] = []
@@ -88,11 +94,9 @@ class Kernel:
         self._injections = self._array(
             c.Injection, [self._injection(i) for i in timetable.wiring.injected]
         )
-        faulty = list(
-            faulty_places(
-                timetable.wiring, tick, self._at(0), self._numbers, self._array
-            )
-        )
+        places = self._at(0), self._numbers, self._array
+        faulty = list(faulty_places(timetable.wiring, tick, *places))
+        self._faulty = self._array(c.faulty_structure(1), faulty)
         self._kernel = c.Kernel(
             parts=addressof(self._parts),
             tables=addressof(self._rows),
@@ -101,7 +105,7 @@ class Kernel:
             profiled=profiled,
             noted=place(),
             injections=addressof(self._injections),
-            faulty=addressof(self._array(c.faulty_structure(1), faulty)),
+            faulty=addressof(self._faulty),
             n_faulty=len(faulty),
         )
         self._library.kernel_begin(self._kernel)
@@ -112,15 +116,20 @@ class Kernel:
         Raises:
             SimulationError: an FMU failed or gave a value that is not finite.
         """
-        chunk = FIRST
+        chunk, behind = FIRST, self.count
         for stretch in self._timetable.stretches():
-            compiled, length = self._stretch(stretch), len(stretch.offsets)
-            done, total = 0, length * stretch.repeats
+            length = len(stretch.offsets)
+            total = length * stretch.repeats
+            done, behind = min(behind, total), max(0, behind - total)
+            if done == total:
+                continue
+            compiled = self._stretch(stretch)
             while done < total:
                 begun = perf_counter()
-                n = self._library.kernel_run(
-                    self._kernel, compiled, done, min(chunk, total - done)
-                )
+                room = min(chunk, total - done)
+                if self.until is not None:
+                    room = min(room, max(1, stretch.before(self.until) + 1 - done))
+                n = self._library.kernel_run(self._kernel, compiled, done, room)
                 took = perf_counter() - begun
                 done, self.count = done + n, self.count + n
                 if self._kernel.failure:
@@ -130,6 +139,24 @@ class Kernel:
                     chunk = max(1, min(2 * chunk, int(n * CHUNK_S / took)))
                 r, i = divmod(done - 1, length)
                 yield stretch.first + r * stretch.length + stretch.offsets[i]
+
+    def remembered(self) -> Remembered:
+        """Return what is held back and what faults remember, between two instants."""
+        lines = {}
+        for name, line in self._lines.items():
+            part = self._parts[self._target[name]]
+            lines[name] = np.roll(line.view(np.int64), -part.head * part.n_delayed)
+        faults = memories(self._faulty, self._kernel.n_faulty)
+        return Remembered(lines, np.concatenate([words([], "int64"), *faults]))
+
+    def remember(self, known: Remembered) -> None:
+        """Take over what another executor of the same timetable remembered."""
+        for name, line in self._lines.items():
+            line.view(np.int64)[:] = known.lines[name]
+            self._parts[self._target[name]].head = 0
+        rest = known.faults
+        for memory in memories(self._faulty, self._kernel.n_faulty):
+            memory[:], rest = rest[: len(memory)], rest[len(memory) :]
 
     def spent(self) -> tuple[dict[str, Spent], float]:
         """Return the time in each FMU and in the master (s), if profiled."""
@@ -205,6 +232,8 @@ class Kernel:
         line = np.tile(
             self._vector[part.raw : part.raw + part.delayed], part.component.latency
         )
+        if part.component.latency:
+            self._lines[part.name] = line
         self._kept.append(line)
         return c.Part(
             instance=instance.slave.value,
@@ -265,14 +294,7 @@ class Kernel:
     def _ticker(self, instance: Instance) -> int | None:
         if not isinstance(instance, ClockedInstance):
             return None
-        ticker = c.Ticker(
-            set_clock=c.address(instance.set_clock),
-            update=c.address(instance.update),
-            enter_step=c.address(instance.enter_step),
-            enter_event=c.address(instance.enter_event),
-            reference=instance.clock_reference.value,
-        )
-        return addressof(self._array(c.Ticker, [ticker]))
+        return addressof(self._array(c.Ticker, [instance.ticker()]))
 
     def _table(self, table: Table) -> c.Table:
         sources = self._array(c_void_p, [self._at(int(i)) for i in table.index])

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
-from orchestrator.fmu.start_values import start_values
+from orchestrator.fmu.start_values import start_values, with_values
 from orchestrator.master.layout import Part
 from orchestrator.master.timetable import Timetable
 from orchestrator.system import Value
@@ -18,10 +18,7 @@ def part_with(part: Part, given: Mapping[str, Value]) -> Part:
     Raises:
         WiringError: a value names no variable, or does not fit it.
     """
-    parameters, start = dict(part.component.parameters), dict(part.component.start)
-    for key, value in given.items():
-        (start if key in start else parameters)[key] = value
-    component = replace(part.component, parameters=parameters, start=start)
+    component = with_values(part.component, given)
     written = start_values(component, part.fmu)
     return replace(part, component=component, start=written)
 

@@ -6,8 +6,9 @@ what a killed run had flushed stays readable; ``close`` turns the streams into
 Parquet.
 """
 
+import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, suppress
 from fractions import Fraction
 from pathlib import Path
@@ -24,6 +25,7 @@ from orchestrator.master.timetable import table_name
 # the same few lines of the cache
 CHUNK = 4096 + 8
 GROUP = 1 << 17  # rows of a Parquet row group, about
+END = b"\xff\xff\xff\xff\0\0\0\0"  # of a stream, as Arrow's IPC format has it
 # signals hardly repeat: a dictionary takes nine times as long and twice the space
 PARQUET: dict[str, Any] = {
     "use_dictionary": False,
@@ -52,20 +54,30 @@ def refuse_no_room(
 
 
 class Recorder:
-    """All tables of one run by their name."""
+    """All tables of one run by their name.
+
+    ``kept`` says how many bytes of each stream are kept, if it is to be continued.
+    """
 
     def __init__(
         self,
         folder: Path,
         tables: Mapping[Fraction, tuple[Column, ...]],
         vector: NDArray[np.float64],
+        kept: Mapping[str, int] | None = None,
     ) -> None:
+        self.folder = folder
         folder.mkdir(parents=True, exist_ok=True)
+        files = {p: folder / f"{_stem(p)}.arrows" for p in tables}
         for old in folder.glob("every_*_s.*"):
-            old.unlink()
+            if kept is None or old not in files.values():
+                old.unlink()
         self.tables = {
             table_name(period): Table(
-                folder / f"{_stem(period)}.arrows", columns, vector
+                files[period],
+                columns,
+                vector,
+                None if kept is None else kept[files[period].name],
             )
             for period, columns in tables.items()
         }
@@ -75,9 +87,18 @@ class Recorder:
         for table in self.tables.values():
             table.flush()
 
-    def close(self, *, complete: bool) -> None:
+    def on_disk(self) -> dict[str, int]:
+        """Write every row recorded so far, wait until all are on the disk, and return
+        how many bytes each stream has.
+        """
+        return {table.path.name: table.on_disk() for table in self.tables.values()}
+
+    def close(
+        self, *, complete: bool, converted: Callable[[], None] = lambda: None
+    ) -> None:
         """End the streams; of a complete run make Parquet tables of them.
 
+        ``converted`` is called when all tables are there, before streams are deleted.
         Of a run that failed that failure is what counts: nothing is raised then.
         """
         for table in self.tables.values():
@@ -88,6 +109,10 @@ class Recorder:
                 _to_parquet(table.path)
             except OSError as error:
                 raise _full(table.path.with_suffix(".parquet"), error) from None
+        if complete:
+            converted()
+            for table in self.tables.values():
+                table.path.unlink()
 
 
 def _about(column: Column) -> dict[str, str]:
@@ -105,7 +130,11 @@ class Table:
     """
 
     def __init__(
-        self, path: Path, columns: tuple[Column, ...], vector: NDArray[np.float64]
+        self,
+        path: Path,
+        columns: tuple[Column, ...],
+        vector: NDArray[np.float64],
+        kept: int | None = None,
     ) -> None:
         import pyarrow as pa
 
@@ -116,8 +145,11 @@ class Table:
             fields.append(pa.field(c.name, kind, metadata=_about(c)))
         self._pa, self._schema = pa, pa.schema(fields)
         self._dtypes = [np.dtype(c.dtype) for c in columns]
-        self._file = path.open("wb")
-        self._stream = pa.ipc.new_stream(self._file, self._schema)
+        if kept is None:
+            self._file = path.open("wb")
+            self._file.write(self._schema.serialize())
+        else:
+            self._file = _continued(path, self._schema, kept)
         self.index = np.array([c.index for c in columns], dtype=np.intp)
         self._affine = {
             i: (c.affine.gain, c.affine.offset)
@@ -151,8 +183,22 @@ class Table:
         self.count[0] = 0
         try:
             batch = self._pa.record_batch(columns, schema=self._schema)
-            self._stream.write_batch(batch)
+            self._file.write(batch.serialize())
             self._file.flush()
+        except OSError as error:
+            raise _full(self.path, error) from None
+
+    def on_disk(self) -> int:
+        """Wait until all rows are on the disk; return how many bytes there are.
+
+        Raises:
+            SimulationError: the disk is full or gone.
+        """
+        self.flush()
+        try:
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            return self._file.tell()
         except OSError as error:
             raise _full(self.path, error) from None
 
@@ -180,13 +226,36 @@ class Table:
         """
         try:
             self.flush()
-            self._stream.close()
+            self._file.write(END)
             self._file.flush()
         except OSError as error:
             raise _full(self.path, error) from None
         finally:
             with suppress(OSError):  # which tries to write once more
                 self._file.close()
+
+
+def _continued(path: Path, schema: Any, kept: int) -> Any:
+    """Open a stream of this schema behind its first ``kept`` bytes; cut the rest.
+
+    Raises:
+        SimulationError: it is shorter, or has other columns.
+    """
+    import pyarrow as pa
+
+    try:
+        with pa.ipc.open_stream(path) as reader:
+            same = reader.schema.equals(schema, check_metadata=True)
+        if path.stat().st_size < kept:
+            raise SimulationError(f"{path}: is shorter than it was; run again")
+        if not same:
+            raise SimulationError(f"{path}: has other columns than the run; run again")
+        file = path.open("r+b")
+        file.truncate(kept)
+        file.seek(kept)
+    except (OSError, pa.ArrowInvalid) as error:
+        raise SimulationError(f"{path}: cannot be continued ({error})") from None
+    return file
 
 
 def _full(path: Path, error: OSError) -> SimulationError:
@@ -201,7 +270,7 @@ def _stem(period: Fraction) -> str:
 
 
 def _to_parquet(path: Path) -> None:
-    """Turn an Arrow stream into a Parquet file, some batches at a time."""
+    """Make a Parquet file of an Arrow stream, some batches at a time."""
     import pyarrow as pa
     import pyarrow.parquet
 
@@ -221,4 +290,3 @@ def _to_parquet(path: Path) -> None:
         if waiting:
             writer.write_table(pa.Table.from_batches(waiting))
     target.replace(path.with_suffix(".parquet"))
-    path.unlink()

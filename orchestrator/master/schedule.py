@@ -10,6 +10,7 @@ hyperperiod up to ``STORED`` entries and repeated, else all come from a heap;
 both give the same instants.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -47,6 +48,12 @@ class Stretch(Generic[T]):
     repeats: int
     offsets: tuple[int, ...]
     entries: tuple[T, ...]
+
+    def before(self, k: int) -> int:
+        """Count the instants of all repetitions that lie before instant k."""
+        r, rest = divmod(k - self.first, self.length) if self.repeats > 1 else (0, k)
+        whole = min(max(r, 0), self.repeats) * len(self.offsets)
+        return whole + (bisect_left(self.offsets, rest) if r < self.repeats else 0)
 
     def __iter__(self) -> Iterator[tuple[int, T]]:
         """Yield every instant and its entry."""

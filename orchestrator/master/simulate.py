@@ -34,10 +34,12 @@ from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.apart import let_in, simulate_apart
+from orchestrator.master.checkpoint import Checkpoints, Keeper, refuse_unsaved
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
 from orchestrator.master.recorder import Recorder, refuse_no_room
+from orchestrator.master.remembered import Remembered
 from orchestrator.master.timetable import Timetable
 from orchestrator.master.wiring import wire
 from orchestrator.profile import Profile, Spent
@@ -49,20 +51,26 @@ LOG = logging.getLogger("feeddrive")
 _UNSAID = Isolation()
 NOT_RUN = ("sources/", "documentation/")  # parts of an FMU that no run needs
 LONGEST_LINE = 10_000_000  # numbers that one latency or delay holds back
-BETWEEN = 0.25  # s of wall time between two calls of progress, and two flushes
+BETWEEN = 0.1  # s of wall time between two calls of progress, and two flushes
 
 Progress = Callable[[Fraction], None]
 Choice: TypeAlias = Literal["kernel", "python", "fused"]
 
 
 class Engine(Protocol):
-    """Carries out a timetable: yields instants reached, counts those done."""
+    """Carries out a timetable: yields instants reached, counts those done.
+
+    It goes on behind ``count`` instants, and yields when ``until`` is reached.
+    """
 
     name: Choice
     count: int
+    until: int | None
 
     def run(self) -> Iterator[int]: ...
     def spent(self) -> tuple[Mapping[str, Spent], float]: ...
+    def remembered(self) -> Remembered: ...
+    def remember(self, known: Remembered) -> None: ...
 
 
 def simulate(
@@ -74,24 +82,33 @@ def simulate(
     executor: Choice | None = None,
     profile: bool = False,
     recorded: Callable[[Result], None] | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
     ``timetable`` is what ``plan`` returned for it, if that was asked before.
-    ``progress`` is told the time reached (s), about four times a second.
+    ``progress`` is told the time reached (s), about ten times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.  ``recorded`` is told the result before FMUs are freed.
+    With ``checkpoints`` a run that is killed can be gone on with.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
         SimulationError: the run failed; rows until then are readable.
     """
     timetable = timetable or plan(system)
+    if checkpoints:
+        refuse_unsaved(timetable, executor)
     if names := let_in(timetable):
         if profile:
             raise SimulationError(
                 f"{names[0]}: a run that lets this FMU into its process has no "
                 f'profile; leave out isolation = "none"'
+            )
+        if checkpoints:
+            raise SimulationError(
+                f"{names[0]}: a run that lets this FMU into its process has no "
+                f'checkpoints; leave out isolation = "none"'
             )
         return simulate_apart(simulate, system, folder, timetable, progress, executor)
     wiring = timetable.wiring
@@ -110,20 +127,25 @@ def simulate(
         }
         quiet = not LOG.isEnabledFor(logging.INFO)
         initialise(wiring, instances, vector, quiet=quiet)
-        recorder = Recorder(folder / "result", wiring.tables, vector)
+        keeper = None
+        if checkpoints:
+            keeper = Keeper(folder, checkpoints, timetable, instances, vector)
+        rows = keeper.saved.rows if keeper and keeper.saved else None
+        recorder = Recorder(folder / "result", wiring.tables, vector, rows)
         complete = False
         try:
             with _older_objects_left_alone():
                 engine = _engine(
                     executor, timetable, instances, vector, recorder, profile
                 )
-                timing, ended = _execute(timetable, engine, recorder, progress)
+                timing, ended = _execute(timetable, engine, recorder, progress, keeper)
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
                 timing = replace(timing, profile=where)
             complete = True
         finally:
-            recorder.close(complete=complete)
+            drop = keeper.drop if keeper else lambda: None
+            recorder.close(complete=complete, converted=drop)
         result = Result(folder, timing, ended)
         if recorded:
             recorded(result)
@@ -242,14 +264,14 @@ def open_instance(
     folders = {} if shared is None or alone else shared
     if fmu.path not in folders:
         folders[fmu.path] = stack.enter_context(unpacked(fmu.path, NOT_RUN))
-    folder = folders[fmu.path]
+    folder, clocks = folders[fmu.path], shared is not None
     instance: Instance
     if apart:
         from orchestrator.instances.isolated import IsolatedInstance
 
-        instance = IsolatedInstance(name, fmu, folder, _log, isolation)
+        instance = IsolatedInstance(name, fmu, folder, _log, isolation, clocks)
     else:
-        instance = load(name, fmu, folder, _log, clocks=shared is not None)
+        instance = load(name, fmu, folder, _log, clocks=clocks)
     stack.callback(instance.close)
     return instance
 
@@ -264,14 +286,19 @@ def _execute(
     engine: Engine,
     recorder: Recorder,
     progress: Progress | None,
+    keeper: Keeper | None,
 ) -> tuple[Timing, End | None]:
     """Carry out all instants, or those until an FMU ends the run."""
     begun = told = perf_counter()
     stop = timetable.wiring.system.stop
+    if keeper:
+        begun -= keeper.begin(engine, recorder)
     reached, ended = float(stop), None
     try:
         for k in engine.run():
             rest()
+            if keeper and engine.until is not None and k >= engine.until:
+                keeper.write(k, engine, perf_counter() - begun, recorder)
             if (now := perf_counter()) - told > BETWEEN:
                 told = now
                 recorder.flush()

@@ -97,7 +97,7 @@ def _figure(name: str, paths: Sequence[Traced]) -> Any:
     M = magnification(paths)
     plot = go.Figure()
     large, unit = readable(paths[0].unit, paths[0].size)
-    x, y = _outline(paths[0])
+    x, y = outline(paths[0])
     plot.add_trace(
         go.Scatter(
             x=large(x),
@@ -146,7 +146,7 @@ def _honest(paths: Sequence[Traced]) -> str:
     )
 
 
-def _outline(path: Traced) -> tuple[Array, Array]:
+def outline(path: Traced) -> tuple[Array, Array]:
     angle = np.linspace(0, 2 * np.pi, 721 if path.shape == "circle" else 5)
     corner = path.size * (np.sqrt(0.5) if path.shape == "square" else 1.0)
     return corner * np.cos(angle), corner * np.sin(angle)

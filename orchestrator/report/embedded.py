@@ -57,7 +57,7 @@ def recorded(curves: Mapping[int, Curve], most: int = MOST) -> str:
             coarse[curve.label] = curve
     content = {"curves": stored, "coarse": _honest(coarse, kept)}
     text = json.dumps(content).replace("<", "\\u003c")
-    drawn = "The curves are thinned to 5,000 points each, no peak is lost."
+    drawn = "The curves are thinned to 3,000 points each, no peak is lost."
     return (
         f"<p class=about id=drawn>{drawn}</p>"
         f'<script type="application/json" id="recorded">{text}</script>'

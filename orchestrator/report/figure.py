@@ -1,6 +1,6 @@
 """The picture of a report's panels, drawn by Plotly.
 
-A trace begins with at most 5,000 points, the smallest and the largest of each
+A trace begins with at most 3,000 points, the smallest and the largest of each
 stretch, so that no peak is lost; the page draws it anew from all points when it
 is zoomed (``zoom.js``).
 """
@@ -16,11 +16,13 @@ from orchestrator.report.panels import Array, Curve, Panel, panels
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
 
-POINTS = 5000
-COLOURS = ("#1f5fa8", "#d1495b", "#2e8b57", "#e09f3e", "#6c4f9c", "#3a9fb5", "#7f7f7f")
+MARKED = 250  # points up to which each has its mark
+POINTS = 3000  # two of each stretch that zoom.js draws
+# each has a contrast above 3 to white and to the dark page
+COLOURS = ("#2f78c4", "#d1495b", "#2e9360", "#bf7b1a", "#8a6cc4", "#2588a0", "#7f7f7f")
 DASHES = ("solid", "dot", "dash", "dashdot")
 REFERENCE = "#8a8f98"
-LIMIT = "#b03a48"
+LIMIT = "#c8475a"
 FAR = 5.0  # times the largest value of a panel: a limit beyond is only named
 
 
@@ -34,10 +36,14 @@ class Drawing:
 
 def figure(runs: "Sequence[Run]") -> Drawing:
     """Return the Plotly figure of one run or of several overlaid."""
+    return drawn(list(panels(runs)), overlaid=len(runs) > 1)
+
+
+def drawn(shown: Sequence[Panel], *, overlaid: bool) -> Drawing:
+    """Return panels below each other; ``overlaid``: a colour per run, not per curve."""
     import plotly.graph_objects as go
     from plotly.subplots import make_subplots
 
-    shown = list(panels(runs))
     count = max(1, len(shown))
     gap = min(0.06, 0.28 / count)
     plot = make_subplots(
@@ -58,8 +64,8 @@ def figure(runs: "Sequence[Run]") -> Drawing:
                     x=time,
                     y=values,
                     name=curve.label,
-                    mode="lines",
-                    line=_line(curve, len(runs) > 1, styles),
+                    mode="lines+markers" if len(time) <= MARKED else "lines",
+                    line=_line(curve, overlaid, styles),
                     legend=f"legend{row if row > 1 else ''}",
                     hovertemplate="%{y:.6g} " + panel.unit,
                 ),

@@ -13,16 +13,15 @@ import numpy as np
 
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
+from orchestrator.report.composed import composed
 from orchestrator.report.contour import contours
-from orchestrator.report.embedded import recorded
 from orchestrator.report.facts import computed, table, what_ran
 from orchestrator.report.figure import figure
 from orchestrator.report.panels import name_of, names_of
+from orchestrator.report.shell import shown, signals, written
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
-
-_CONFIG = {"displaylogo": False, "responsive": True}
 
 
 @np.errstate(all="ignore")  # what diverges may overflow here
@@ -35,14 +34,10 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
     if not runs:
         raise ScenarioError("a report needs at least one run")
     drawing = figure(runs)
-    plot = drawing.plot.to_html(
-        full_html=False, include_plotlyjs=True, config=_CONFIG, div_id="signals"
-    )
     told = [f"{name}: " if len(runs) > 1 else "" for name in names_of(runs)]
     heading = title or name_of(runs[0])
     about = runs[0].scenario.spec.description if len(runs) == 1 else ""
     body = [
-        f"<h1>{escape(heading)}</h1>",
         f"<p class=about>{escape(about)}</p>" if about else "",
         *(
             f"<p class=bad>{escape(name + run.diverged)}</p>"
@@ -66,9 +61,9 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         "<h2>Figures</h2>",
         _metrics(runs),
         "<h2>Signals</h2>",
-        plot,
-        recorded(drawing.curves),
+        signals(drawing),
         *_contours(runs),
+        *composed(runs),
         *(
             computed(
                 run, f"{name}{run.scenario.name}" if len(runs) > 1 else name_of(run)
@@ -76,17 +71,11 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
             for run, name in zip(runs, told, strict=True)
         ),
     ]
-    page = _PAGE.replace("{title}", escape(heading)).replace("{body}", "\n".join(body))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, encoding="utf-8")
-    return path
+    return written(heading, body, path)
 
 
 def _contours(runs: "Sequence[Run]") -> list[str]:
-    plots = [
-        plot.to_html(full_html=False, include_plotlyjs=False, config=_CONFIG)
-        for plot in contours(runs)
-    ]
+    plots = [shown(plot) for plot in contours(runs)]
     return ["<h2>Contours</h2>", *plots] if plots else []
 
 
@@ -117,43 +106,3 @@ def _checked(runs: "Sequence[Run]", name: str) -> str:
     return "<br>".join(
         f"{marks[c.met]} {escape(text)}" for c, text in zip(found, texts, strict=True)
     )
-
-
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>
-body { font: 15px/1.5 system-ui, sans-serif; color: #22262b; margin: 0 auto;
-  max-width: 1180px; padding: 24px 32px 64px; }
-h1 { font-size: 26px; margin: 8px 0; }
-h3 { font-size: 15px; margin: 20px 0 4px; }
-h2 { font-size: 17px; margin: 32px 0 8px; border-bottom: 1px solid #d9dde3;
-  padding-bottom: 4px; }
-.about { color: #565d66; max-width: 75ch; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; vertical-align: top; padding: 4px 20px 4px 0;
-  border-bottom: 1px solid #eceff3; }
-th { color: #565d66; font-weight: 600; }
-code { font: 13px ui-monospace, monospace; }
-summary { cursor: pointer; color: #1f5fa8; }
-.good { color: #2e8b57; } .bad { color: #d1495b; }
-.warning { border-left: 3px solid #e09f3e; padding-left: 12px; max-width: 90ch; }
-@page { margin: 14mm; }
-@media print {
-  body { font-size: 11px; max-width: none; padding: 0; }
-  h1, h2, h3, summary { break-after: avoid; }
-  tr, .plotly-graph-div { break-inside: avoid; }
-  .modebar { display: none; }
-}
-</style></head><body>
-{body}
-<script>
-addEventListener("beforeprint", () => {
-  document.querySelectorAll("details").forEach((d) => { d.open = true; });
-  document.querySelectorAll(".js-plotly-plot").forEach((p) =>
-    Plotly.relayout(p, { width: 680, autosize: false }));
-});
-addEventListener("afterprint", () =>
-  document.querySelectorAll(".js-plotly-plot").forEach((p) =>
-    Plotly.relayout(p, { width: null, autosize: true })));
-</script>
-</body></html>
-"""

@@ -81,6 +81,11 @@
       Object.fromEntries(view),
       curves.map((curve) => curve.trace),
     );
+    tell(drawn);
+  }
+
+  /* Say how much of the curves is drawn. */
+  function tell(drawn) {
     const most = Math.max(...drawn.map((d) => d.count));
     told.textContent =
       (most <= 2 * BUCKETS
@@ -108,5 +113,6 @@
     draw(curves, axis);
   }
   plot.on("plotly_relayout", follow);
-  follow({ "xaxis.autorange": true });
+  shown = "whole"; /* is drawn already: as many stretches by figure.py */
+  tell(curves.map((curve) => ({ count: curve.n })));
 })();

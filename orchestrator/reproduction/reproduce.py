@@ -35,10 +35,14 @@ Told: TypeAlias = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Reproduction:
-    """A study's figures as far as they were wanted, and the tables they stand in."""
+    """A study's figures as far as they were wanted, and the tables they stand in.
+
+    ``folder`` has the runs they are from.
+    """
 
     reference: Reference
     figures: tuple[Figure, ...]
+    folder: Path
 
     def as_json(self, study: str) -> dict[str, Any]:
         """Return the object that ``reproduce --json`` prints."""
@@ -87,7 +91,7 @@ def reproduce(
             except ScenarioError as error:
                 raise ScenarioError(f"{place.name}: {spec.id}: {error}") from None
         figures = (judge_figure(spec, values, reference.agreement) for spec in wanted)
-        done = Reproduction(reference, tuple(figures))
+        done = Reproduction(reference, tuple(figures), kept.path)
         kept.complete(done.as_json(place.name))
     return done
 

@@ -19,6 +19,7 @@ from orchestrator.errors import (
     did_you_mean,
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
+from orchestrator.fmu.start_values import with_values
 from orchestrator.fmu.structure import sized
 from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantities.quantity import Quantity
@@ -42,6 +43,7 @@ from orchestrator.scenario.without_effect import without_effect
 from orchestrator.system import (
     Fault,
     System,
+    Value,
 )
 from orchestrator.warned import collecting, warn
 
@@ -95,6 +97,17 @@ class Composition:
     def refuse_text(self, name: str) -> None:
         """Raise ``ScenarioError`` if a variable holds texts, which have no figure."""
         self._values[0].refuse_text(name)
+
+    def with_values(self, given: Mapping[str, Mapping[str, Value]]) -> "Composition":
+        """Return it with other parameters and start values, by component and name;
+        designs and gains stay as they are.  What does not fit is found as they are
+        written."""
+        components = dict(self.system.components)
+        for name, values in given.items():
+            components[name] = with_values(components[name], values)
+        actual = Values(list(components), lambda n: (components[n], self.fmus[n]))
+        system = replace(self.system, components=components)
+        return replace(self, system=system, _values=(actual, self._values[1]))
 
 
 def compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
@@ -224,7 +237,9 @@ def _design(
     results: dict[str, DesignResult] = {}
     for name, step in scenario.spec.design.items():
         try:
-            results[name] = run_step(name, step, nominal.value, earlier_beside)
+            results[name] = run_step(
+                f"design.{name}", step, nominal.value, earlier_beside
+            )
             _hand_over(f"design.{name}", step, results[name], nominal, fmus, maps)
         except (DesignError, ScenarioError) as error:
             raise type(error)(f"{scenario.file}: {error}") from None

@@ -24,6 +24,7 @@ from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.rates import RateContext
 from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.complaints import complaints
+from orchestrator.scenario.homes import homed, scenario_beside
 from orchestrator.scenario.inherit import inherit
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
@@ -34,7 +35,7 @@ STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 HEIRS = 50  # files in a row, each the base of the next
-_NOT_SCENARIOS = ("reference.toml",)
+_NOT_SCENARIOS = ("reference.toml", "figures.toml", "bands.toml")
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,7 @@ class Scenario:
 
     def beside(self, name: str) -> str:
         """Return the full name or path of a scenario named from within this one."""
-        if name.endswith(".toml"):
-            return str(self.file.parent / name)
-        return name if "/" in name else str(self.file.parent / f"{name}.toml")
+        return scenario_beside(self.file.parent, name)
 
 
 def load_scenario(
@@ -238,7 +237,8 @@ def _gather(
             raise ScenarioError(f"{file}: base: {base} inherits from itself")
         if parent not in layers:
             _gather(parent, (*heirs, file), layers)
-    layers[file] = raw
+    from_elsewhere = bool(heirs) and file.parent != heirs[0].parent
+    layers[file] = homed(raw, file.parent) if from_elsewhere else raw
 
 
 def _copy(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,47 +1,63 @@
-"""A composition as one FMU (FMI 2.0, co-simulation) that runs its exact timetable.
+"""A composition as one FMU (FMI 2.0 or 3.0, co-simulation) with its exact timetable.
 
-Inside is the loop of the fused executor with our models as equations: any rates,
-offsets, latencies, initial circles that settle by substitution.  What an output shows
-is what ``run`` records at that time, bit for bit.
+Inside is the loop of the fused executor with our models as equations, behind the
+adapters of our FMUs, which take it for one model: any rates, offsets, latencies,
+faults, initial circles that settle by substitution.  What an output shows is what
+``run`` records at that time, bit for bit.
 
 An outside input is read by a continuous component at the step it drives, by a sampled
 one an outer step later: its tick at the end of a step sees what was set before that
-step.  The description says of each input which it is.
+step.  The description says of each input which it is.  In event mode (FMI 3) sampled
+components wait for the clock at the end of a step, and nothing is late.
 
-Refused in words: components that are not ours (they cannot be compiled in), faults,
+Refused in words: components that are not ours (they cannot be compiled in),
 injections, whole numbers of 64 bits.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from hashlib import sha256
+from itertools import takewhile
 from math import lcm
 from pathlib import Path
 from uuid import UUID
 
-from fmus.archive import write_archive
+from lxml import etree
+
+from fmus.archive import EXTRA, write_archive
 from fmus.cache import cache_folder
-from fmus.compile import PLATFORMS, compile_alone, host_platform, universal_binary
+from fmus.compile import host_platform
 from fmus.documentation import license_text
-from fmus.native_source import adapter_sources
+from fmus.native_source import MODEL_DATA, adapter_sources
+from fmus.package import binaries
+from fmus.subject import Fmi
 from orchestrator.errors import ScenarioError, did_you_mean
-from orchestrator.exchange.whole.describe import describe, page
-from orchestrator.exchange.whole.tables import Outside, base_values, tables
-from orchestrator.fmu.ports import Affine, ports
+from orchestrator.exchange.whole.describe import Told, describe, page
+from orchestrator.exchange.whole.ends import Ends
+from orchestrator.exchange.whole.model import model_table
+from orchestrator.exchange.whole.tables import Halves, Tables, base_values
 from orchestrator.master.fused.executor import fusible
-from orchestrator.master.fused.library import ELEMENTARY, FAULTS, HEADERS, QUIET
+from orchestrator.master.fused.library import FAULTS, HEADERS
 from orchestrator.master.fused.source import Source
 from orchestrator.master.layout import kind_of
+from orchestrator.master.schedule import Stretch, rational_gcd
 from orchestrator.master.simulate import plan
-from orchestrator.master.timetable import Timetable
+from orchestrator.master.timetable import Program, Timetable
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import System, split_name
 
-SHELL = Path(__file__).with_name("fmi2.h")
-FMI2 = ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
-ENOUGH = Fraction(10**6)  # s that the timetable reaches
-MOST_INSTANTS = 100_000  # of a hyperperiod, stored as a table
+NATIVE = Path(__file__).with_name("native")
+REPLACED = ("simulation.c", "all.c")  # of the adapters
+FAR = Fraction(10**6)  # s, behind which the pattern of the rates repeats in any case
+MOST_INSTANTS = 100_000  # stored as a table
+BEFORE_TICKS = ("advance", "read", "copy", "fault")
+QUIET = """\
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-but-set-variable"
+#pragma GCC diagnostic ignored "-Wmacro-redefined"
+#define W 1
+"""
 
 
 def export_whole(
@@ -50,18 +66,19 @@ def export_whole(
     inputs: Sequence[str] = (),
     outputs: Sequence[str] = (),
     platforms: Sequence[str] = (),
+    fmi: Fmi = 2,
 ) -> Path:
     """Write a composition as one FMU; without ``outputs`` it has what is recorded.
 
     Raises:
         ScenarioError: something of it cannot be compiled in, or there is no such
             input or output; the message says which.
-        fmus.compile.CompileError: C does not compile.
+        BuildError: C does not compile.
     """
     system = _endless(composition, inputs, outputs)
     timetable = plan(system)
-    whole = _Whole(composition, timetable, inputs, tuple(system.record))
-    contents = whole.contents(tuple(platforms) or (host_platform(),))
+    whole = _Whole(composition, timetable, inputs)
+    contents = whole.contents(fmi, tuple(platforms) or (host_platform(),))
     target.parent.mkdir(parents=True, exist_ok=True)
     return write_archive(target, contents)
 
@@ -71,11 +88,6 @@ def _endless(
 ) -> System:
     """Return the system with the outputs as its only record, and no end in sight."""
     system = composition.system
-    if system.faults:
-        raise ScenarioError(
-            f"faults.{min(system.faults)}: faults are not compiled into an FMU; leave "
-            f"them out with --set faults.{min(system.faults)}=false"
-        )
     for name in inputs:
         if name in system.connections:
             raise ScenarioError(
@@ -94,19 +106,14 @@ def _endless(
     periods = [c.period for c in system.components.values()]
     scale = lcm(*(p.denominator for p in periods))
     length = Fraction(lcm(*(int(p * scale) for p in periods)), scale)
-    return replace(system, record=record, stop=-(-ENOUGH // length) * length)
+    return replace(system, record=record, stop=-(-FAR // length) * length)
 
 
 class _Whole:
     def __init__(
-        self,
-        composition: Composition,
-        timetable: Timetable,
-        inputs: Sequence[str],
-        outputs: Sequence[str],
+        self, composition: Composition, timetable: Timetable, inputs: Sequence[str]
     ) -> None:
         self.composition, self.timetable = composition, timetable
-        self.inputs, self.outputs = inputs, outputs
         wiring = timetable.wiring
         found, whys = fusible(wiring.parts)
         if whys:
@@ -114,57 +121,41 @@ class _Whole:
             raise ScenarioError(
                 f"only components of ours can be compiled into one FMU: {told}"
             )
-        instants = sum(len(s.offsets) for s in timetable.stretches())
-        if instants > MOST_INSTANTS:
-            raise ScenarioError(
-                f"the pattern of the rates repeats after {instants:,} instants only, "
-                f"which do not go into an FMU; choose rates that meet sooner"
-            )
-        self.source = Source(timetable, found, {})
-        self.starts = {n: base_values(own) for n, own in self.source.own.items()}
-        self.outside = [*self._outputs(), *self._inputs(), *self._parameters()]
+        source = Source(timetable, found, {})
+        stretches = _for_ever(timetable)
+        source.programs.clear()
+        for stretch in stretches:
+            for program in (half for halves in stretch.entries for half in halves):
+                source.programs.setdefault(program, len(source.programs))
+        starts = {n: base_values(own) for n, own in source.own.items()}
+        outside = Ends(source, starts, inputs).outside()
+        self.tables = Tables(source, stretches, starts, outside)
 
-    def contents(self, platforms: Sequence[str]) -> dict[str, bytes]:
+    def contents(self, fmi: Fmi, platforms: Sequence[str]) -> dict[str, bytes]:
         """Return the files of the FMU by name."""
-        text = (
-            self.source.text() + "\n" + tables(self.source, self.starts, self.outside)
-        )
-        description = self.description("")
-        code = text + SHELL.read_text(encoding="utf-8")
-        token = sha256(code.encode() + description).digest()
-        guid = f"{{{UUID(bytes=token[:16])}}}"
-        text += f'#define GUID "{guid}"\n#include "whole.h"\n'
         adapters = adapter_sources()
-        sources = {"whole.c": text, "whole.h": SHELL.read_text(encoding="utf-8")}
-        for file in (*sorted(HEADERS.glob("*.h")), FAULTS):
-            sources[file.name] = file.read_text(encoding="utf-8")
-        sources |= {name: adapters[name] for name in (*ELEMENTARY, *FMI2)}
+        adapters = {n: text for n, text in adapters.items() if n not in REPLACED}
+        text = "\n".join([QUIET, self.tables.source.text(), self.tables.text()])
+        own = {file.name: file for file in (*HEADERS.glob("*.h"), FAULTS)}
+        own |= {file.name: file for file in NATIVE.glob("*.[ch]")}
+        sources = {name: own[name].read_text(encoding="utf-8") for name in sorted(own)}
+        described = [describe(self._told(), version, "") for version in (2, 3)]
+        whole = sha256(b"".join(described) + text.encode())
+        for name, code in sorted((sources | adapters).items()):
+            whole.update(f"{name}\0{code}\0".encode())
+        token = f"{{{UUID(bytes=whole.digest()[:16])}}}"
+        table = model_table(self.tables, self.identifier, token, self.clock)
+        sources[MODEL_DATA] = "\n".join([text, table, '#include "running.h"', ""])
+        licences = "license.txt" if fmi == 2 else "licenses/license.txt"
         found = {
-            "modelDescription.xml": self.description(guid),
-            "documentation/index.html": page(self.composition, self.outside),
-            "documentation/license.txt": license_text(),
+            "modelDescription.xml": describe(self._told(), fmi, token),
+            "documentation/index.html": page(self.composition, self.tables.outside),
+            f"documentation/{licences}": license_text(),
+            EXTRA: self._kind(fmi),
         }
-        slices: dict[str, dict[str, bytes]] = {}
-        for name in platforms:
-            platform = PLATFORMS[name]
-            library = compile_alone(
-                self.identifier,
-                sources,
-                name,
-                cache_folder() / "whole",
-                flags=["-DW=1", *QUIET],
-            )
-            place = f"binaries/{platform.fmi2_folder}/{library.name}"
-            slices.setdefault(place, {})[name] = library.read_bytes()
-        for place, parts in slices.items():
-            several = len(parts) > 1
-            found[place] = (
-                universal_binary(parts) if several else next(iter(parts.values()))
-            )
-        return found
-
-    def description(self, guid: str) -> bytes:
-        return describe(self.composition, self.identifier, self.outside, guid)
+        place = cache_folder() / "whole"
+        parts = (self.identifier, sources, fmi, platforms, place, adapters)
+        return found | binaries(*parts)
 
     @property
     def identifier(self) -> str:
@@ -172,72 +163,55 @@ class _Whole:
         plain = "".join(c if c.isalnum() and c.isascii() else "_" for c in name)
         return plain if plain[:1].isalpha() else f"_{plain}"
 
-    def _outputs(self) -> Iterator[Outside]:
-        for columns in self.timetable.wiring.tables.values():
-            for column in columns:
-                component, _ = split_name(column.name)
-                part = self.timetable.wiring.parts[component]
-                found = ports(part.component, part.fmu, column.name.partition(".")[2])
-                yield Outside(
-                    column.name,
-                    "output",
-                    f"vector[{column.index}]",
-                    column.affine,
-                    column.unit,
-                    found[0].variable.sort == "boolean",
-                    None,
-                    found[0].variable.description,
-                )
+    @property
+    def clock(self) -> Fraction | None:
+        """The base period (s) of the sampled components, if there are any."""
+        sampled = [
+            part.component
+            for part in self.timetable.wiring.parts.values()
+            if kind_of(part.component, part.fmu) == "sampled"
+        ]
+        times = [t for c in sampled for t in (c.period, c.offset) if t]
+        return rational_gcd(*times) if times else None
 
-    def _inputs(self) -> Iterator[Outside]:
-        for full in self.inputs:
-            component, name = split_name(full)
-            parts = self.timetable.wiring.parts
-            if component not in parts or not name:
-                remedy = did_you_mean(component, parts)
-                raise ScenarioError(
-                    f"--inputs {full}: no component {component!r}; {remedy}"
-                )
-            part = parts[component]
-            (port, *more) = ports(part.component, part.fmu, name)
-            if port.variable.causality != "input" or more:
-                raise ScenarioError(
-                    f"--inputs {full}: is no single input of {component}"
-                )
-            late = kind_of(part.component, part.fmu) == "sampled"
-            when = "read an outer step late" if late else "acts from the step it is set"
-            place = port.variable.reference + port.element
-            inside = float(self.starts[component][place])
-            yield Outside(
-                full,
-                "input",
-                f"values_{self.source.own[component].index}[{place}]",
-                port.to_theirs,
-                port.unit,
-                port.variable.sort == "boolean",
-                _outer(inside, port.to_theirs),
-                f"{port.variable.description} ({when})",
+    def _told(self) -> Told:
+        size = len(self.tables.outside) + len(self.tables.source.parts) + 2
+        parts = (self.composition, self.identifier, self.tables.outside, size)
+        return Told(*parts, self.clock)
+
+    def _kind(self, fmi: Fmi) -> bytes:
+        """Return what our own master reads, and the standard has no attribute for."""
+        facts = {"kind": "continuous"}
+        if fmi == 3 and self.clock:
+            num, den = self.clock.as_integer_ratio()
+            facts = {"kind": "sampled", "period": f"{num}/{den}"}
+        return bytes(etree.tostring(etree.Element("Model", facts)))
+
+
+def _for_ever(timetable: Timetable) -> list[Stretch[Halves]]:
+    """Return the stretches up to the one that repeats, every instant in two halves.
+
+    Raises:
+        ScenarioError: it is too long.
+    """
+    found, count = list[Stretch[Halves]](), 0
+    for stretch in timetable.stretches():
+        count += len(stretch.offsets)
+        if count > MOST_INSTANTS:
+            raise ScenarioError(
+                f"the pattern of the rates (and faults) repeats after more than "
+                f"{MOST_INSTANTS:,} instants only, which do not go into an FMU; choose "
+                f"rates that meet sooner, and faults that begin and end sooner"
             )
-
-    def _parameters(self) -> Iterator[Outside]:
-        for name, own in self.source.own.items():
-            for v in own.part.fmu.variables.values():
-                if v.causality != "parameter" or v.variability == "constant":
-                    continue
-                for i in range(v.size):
-                    place = v.reference + i
-                    index = f"[{i + 1}]" if v.shape else ""
-                    yield Outside(
-                        f"{name}.{v.name}{index}",
-                        "parameter",
-                        f"values_{own.index}[{place}]",
-                        Affine(),
-                        v.unit,
-                        v.sort == "boolean",
-                        float(self.starts[name][place]),
-                        v.description,
-                    )
+        halves = tuple(_halves(program) for program in stretch.entries)
+        first, length, repeats = stretch.first, stretch.length, stretch.repeats
+        found.append(Stretch(first, length, repeats, stretch.offsets, halves))
+        if stretch.repeats > 1:
+            break
+    return found
 
 
-def _outer(inside: float, affine: Affine) -> float:
-    return (inside - affine.offset) / affine.gain if affine.converts else inside
+def _halves(program: Program) -> Halves:
+    """Return what happens to the continuous components, then the rest."""
+    before = len(list(takewhile(lambda op: op.code in BEFORE_TICKS, program)))
+    return program[:before], program[before:]

@@ -1,19 +1,24 @@
 """The tables behind a fused loop that runs without Python: memory, start, timetable."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.exchange.whole.faults import faults_bound, faults_kept, faults_started
 from orchestrator.fmu.ports import Affine
-from orchestrator.master.fused.memory import capacity
+from orchestrator.master.fused.memory import LONGEST_LINE, SHORTEST, capacity
 from orchestrator.master.fused.own import Own
 from orchestrator.master.fused.source import Source
+from orchestrator.master.schedule import Stretch
+from orchestrator.master.timetable import Program
 from orchestrator.quantities.unit import Unit
 
-Role = Literal["input", "output", "parameter"]
+Role = Literal["parameter", "input", "output", "local"]
+Halves = tuple[Program, Program]
+Starts = Mapping[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -21,7 +26,8 @@ class Outside:
     """A variable of the whole: where its number stands, and what is told of it.
 
     ``affine`` leads from the number inside to that of an output, and from that of an
-    input to the number inside; ``start`` is on the outer side.
+    input to the number inside; ``start`` is on the outer side.  ``needs`` are the
+    outside inputs that an output depends on within an instant.
     """
 
     name: str
@@ -32,6 +38,164 @@ class Outside:
     boolean: bool
     start: float | None
     description: str
+    needs: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Tables:
+    """All that the loop works on; ``outside`` in the order of their references."""
+
+    source: Source
+    stretches: Sequence[Stretch[Halves]]
+    starts: Starts
+    outside: Sequence[Outside]
+
+    def text(self) -> str:
+        """Return the C of it."""
+        return "\n".join(
+            [
+                *self._memory(),
+                *self._bound(),
+                *self._started(),
+                *self._timetable(),
+                *self._variables(),
+                *self._delays(),
+                "",
+            ]
+        )
+
+    def delays(self) -> Iterator[tuple[Own, int, str, int]]:
+        """Yield each dead time: its component, number, parameter, room for changes."""
+        for own in self.source.own.values():
+            for j, delay in enumerate(own.equations.delays):
+                tau = float(self.starts[own.part.name][delay[1]])
+                variables = own.part.fmu.variables.values()
+                name = next(v.name for v in variables if v.reference == delay[1])
+                room = capacity(own.equations, delay, tau)
+                yield own, j, f"{own.part.name}.{name}", room
+
+    def _memory(self) -> Iterator[str]:
+        source = self.source
+        yield "#include <stddef.h>"
+        yield '#include "whole.h"'
+        yield "typedef struct {"
+        yield "    Engine e;"
+        yield "    int64_t repeat; /* of the stretch */"
+        yield "    size_t stretch, entry;"
+        yield "    int64_t open; /* of its instant, half is done */"
+        yield f"    Instance parts[{len(source.parts)}];"
+        yield f"    Rows rows[{max(1, len(source.tables))}];"
+        yield f"    V vector[{max(1, source.wiring.size)}];"
+        for own in source.own.values():
+            i, equations = own.index, own.equations
+            size = equations["size"] + equations["n_d"]
+            latency = own.part.component.latency * own.part.delayed
+            yield f"    V values_{i}[{size}], held_{i}[{max(1, latency)}];"
+            if equations.delays:
+                yield f"    Line lines_{i}[{len(equations.delays)}];"
+        for own, j, _, room in self.delays():
+            yield f"    V changes_{own.index}_{j}[{room}];"
+            yield f"    double times_{own.index}_{j}[{room}];"
+        yield from faults_kept(source.wiring)
+        yield "} Memory;"
+
+    def _bound(self) -> Iterator[str]:
+        pointers = {f"e.{name}": f"m->{name}" for name in ("vector", "parts", "rows")}
+        for own in self.source.own.values():
+            i = own.index
+            pointers[f"parts[{i}].values"] = f"m->values_{i}"
+            pointers[f"parts[{i}].held"] = f"m->held_{i}"
+            if own.equations.delays:
+                pointers[f"parts[{i}].lines"] = f"m->lines_{i}"
+        for own, j, _, _ in self.delays():
+            line = f"lines_{own.index}[{j}]"
+            pointers[f"{line}.values"] = f"m->changes_{own.index}_{j}"
+            pointers[f"{line}.times"] = f"m->times_{own.index}_{j}"
+        pointers |= faults_bound(self.source.wiring)
+        yield "static void bind_memory(Memory *m) {"
+        yield from (f"    m->{name} = {to};" for name, to in pointers.items())
+        yield "}"
+        yield "static void unbind_memory(Memory *m) {"
+        yield from (f"    m->{name} = NULL;" for name in pointers)
+        yield "}"
+
+    def _started(self) -> Iterator[str]:
+        source, tick = self.source, self.source.timetable.schedule.tick
+        for own in source.own.values():
+            numbers = _doubles(self.starts[own.part.name])
+            yield f"static const double start_{own.index}[] = {{{numbers}}};"
+        yield f"const int64_t whole_tick_num = {tick.numerator};"
+        yield f"const int64_t whole_tick_den = {tick.denominator};"
+        yield "static void start_values(Memory *m) {"
+        yield "    m->e.tick_num = whole_tick_num;"
+        yield "    m->e.tick_den = whole_tick_den;"
+        yield "    m->e.alive = 1;"
+        for own in source.own.values():
+            i = own.index
+            yield f"    memcpy(m->values_{i}, start_{i}, sizeof start_{i});"
+        for own, j, _, room in self.delays():
+            yield f"    m->lines_{own.index}[{j}].capacity = {room};"
+        yield from faults_started(source.wiring, tick)
+        yield "}"
+
+    def _timetable(self) -> Iterator[str]:
+        yield "typedef struct {"
+        yield "    int64_t first, length, repeats;"
+        yield "    const int64_t *offsets;"
+        yield "    const int32_t *first_halves, *second_halves;"
+        yield "    size_t n;"
+        yield "} Stretch;"
+        lines, number = [], self.source.programs
+        for i, stretch in enumerate(self.stretches):
+            offsets = ", ".join(f"{o}" for o in stretch.offsets)
+            yield f"static const int64_t offsets_{i}[] = {{{offsets}}};"
+            for which in (0, 1):
+                numbers = ", ".join(f"{number[e[which]]}" for e in stretch.entries)
+                yield f"static const int32_t halves_{i}_{which}[] = {{{numbers}}};"
+            head = f"{stretch.first}, {stretch.length}, {stretch.repeats}"
+            names = f"offsets_{i}, halves_{i}_0, halves_{i}_1"
+            lines.append(f"    {{{head}, {names}, {len(stretch.offsets)}}},")
+        yield "static const Stretch stretches[] = {"
+        yield from lines
+        yield "};"
+        yield f"enum {{ N_STRETCHES = {len(lines)} }};"
+
+    def _variables(self) -> Iterator[str]:
+        yield "typedef struct {"
+        yield "    size_t place;"
+        yield "    double gain, offset;"
+        yield "    int converts;"
+        yield "} Outer;"
+        yield "static const Outer outside[] = {"
+        for one in self.outside:
+            affine = one.affine
+            numbers = f"{affine.gain.hex()}, {affine.offset.hex()}"
+            place = f"offsetof(Memory, {one.place})"
+            yield f"    {{{place}, {numbers}, {int(affine.converts)}}},"
+        yield "};"
+        first = {role: self.first(role) for role in ("input", "output", "local")}
+        states = len(self.outside) - first["local"]
+        yield "enum {"
+        yield f"    FIRST_INPUT = {first['input']}, FIRST_OUTPUT = {first['output']},"
+        yield f"    FIRST_STATE = {first['local']}, N_STATES = {states},"
+        yield f"    N_PARTS = {len(self.source.parts)}"
+        yield "};"
+
+    def _delays(self) -> Iterator[str]:
+        lines = [
+            f"{{{own.equations.numbers['h_max'].hex()}, {room}}}"
+            for own, _, _, room in self.delays()
+        ]
+        yield "static const struct { double h_max, room; } delayed[] = {"
+        yield f"    {', '.join(lines or ['{1, 0}'])}"
+        yield "};"
+        yield f"enum {{ SHORTEST = {SHORTEST}, LONGEST_LINE = {LONGEST_LINE} }};"
+
+    def first(self, role: str) -> int:
+        """Return the first reference of a role, or the end of what is before it."""
+        order = ("parameter", "input", "output", "local")
+        before = order[: order.index(role)]
+        return sum(one.role in before for one in self.outside)
 
 
 def base_values(own: Own) -> NDArray[np.float64]:
@@ -40,127 +204,6 @@ def base_values(own: Own) -> NDArray[np.float64]:
     for variable, given in own.part.start:
         values[variable.reference : variable.reference + variable.size] = given
     return values
-
-
-def tables(
-    source: Source,
-    starts: Mapping[str, NDArray[np.float64]],
-    outside: Iterable[Outside],
-) -> str:
-    """Return the C of everything that the loop works on."""
-    return "\n".join(
-        [
-            *_memory(source, starts),
-            *_bound(source),
-            *_started(source, starts),
-            *_timetable(source),
-            *_variables(list(outside)),
-            "",
-        ]
-    )
-
-
-def _memory(source: Source, starts: Mapping[str, NDArray[np.float64]]) -> Iterator[str]:
-    yield "#include <stddef.h>"
-    yield "typedef struct {"
-    yield "    Engine e;"
-    yield f"    Instance parts[{len(source.parts)}];"
-    yield f"    Rows rows[{max(1, len(source.tables))}];"
-    yield f"    V vector[{max(1, source.wiring.size)}];"
-    for own in source.own.values():
-        i, equations = own.index, own.equations
-        size = equations["size"] + equations["n_d"]
-        latency = own.part.component.latency * own.part.delayed
-        yield f"    V values_{i}[{size}], held_{i}[{max(1, latency)}];"
-        if equations.delays:
-            yield f"    Line lines_{i}[{len(equations.delays)}];"
-        for j, delay in enumerate(equations.delays):
-            tau = float(starts[own.part.name][delay[1]])
-            room = capacity(equations, delay, tau)
-            yield f"    V changes_{i}_{j}[{room}];"
-            yield f"    double times_{i}_{j}[{room}];"
-    yield "} Memory;"
-
-
-def _bound(source: Source) -> Iterator[str]:
-    yield "static void bind_memory(Memory *m) {"
-    yield "    m->e.vector = m->vector;"
-    yield "    m->e.parts = m->parts;"
-    yield "    m->e.rows = m->rows;"
-    for own in source.own.values():
-        i = own.index
-        yield f"    m->parts[{i}].values = m->values_{i};"
-        yield f"    m->parts[{i}].held = m->held_{i};"
-        if own.equations.delays:
-            yield f"    m->parts[{i}].lines = m->lines_{i};"
-        for j, _ in enumerate(own.equations.delays):
-            line = f"m->lines_{i}[{j}]"
-            yield f"    {line}.values = m->changes_{i}_{j};"
-            yield f"    {line}.times = m->times_{i}_{j};"
-            room = f"sizeof m->changes_{i}_{j} / sizeof *m->changes_{i}_{j}"
-            yield f"    {line}.capacity = {room};"
-    yield "}"
-
-
-def _started(
-    source: Source, starts: Mapping[str, NDArray[np.float64]]
-) -> Iterator[str]:
-    tick = source.timetable.schedule.tick
-    for own in source.own.values():
-        numbers = starts[own.part.name]
-        yield f"static const double start_{own.index}[] = {{{_doubles(numbers)}}};"
-    yield "static void start_values(Memory *m) {"
-    yield f"    m->e.tick_num = {tick.numerator};"
-    yield f"    m->e.tick_den = {tick.denominator};"
-    yield "    m->e.alive = 1;"
-    for own in source.own.values():
-        i = own.index
-        yield f"    memcpy(m->values_{i}, start_{i}, sizeof start_{i});"
-    yield "}"
-    names = ", ".join(f'"{name}"' for name in source.parts)
-    yield f"static const char *const part_names[] = {{{names}}};"
-
-
-def _timetable(source: Source) -> Iterator[str]:
-    yield "typedef struct {"
-    yield "    int64_t first, length, repeats;"
-    yield "    const int64_t *offsets;"
-    yield "    const int32_t *programs;"
-    yield "    size_t n;"
-    yield "} Stretch;"
-    lines = []
-    for i, stretch in enumerate(source.timetable.stretches()):
-        offsets = ", ".join(f"{o}" for o in stretch.offsets)
-        numbers = ", ".join(f"{source.programs[p]}" for p in stretch.entries)
-        yield f"static const int64_t offsets_{i}[] = {{{offsets}}};"
-        yield f"static const int32_t programs_{i}[] = {{{numbers}}};"
-        head = f"{stretch.first}, {stretch.length}, {stretch.repeats}"
-        lines.append(
-            f"    {{{head}, offsets_{i}, programs_{i}, {len(stretch.offsets)}}},"
-        )
-    yield "static const Stretch stretches[] = {"
-    yield from lines
-    yield "};"
-    yield f"enum {{ N_STRETCHES = {len(lines)} }};"
-    yield f"#define LAST INT64_C({source.timetable.schedule.stop})"
-
-
-def _variables(outside: Sequence[Outside]) -> Iterator[str]:
-    yield "enum { INPUT, OUTPUT, PARAMETER };"
-    yield "typedef struct {"
-    yield "    size_t place;"
-    yield "    double gain, offset;"
-    yield "    int kind, boolean, converts;"
-    yield "} Variable;"
-    yield "static const Variable variables[] = {"
-    for one in outside:
-        affine = one.affine
-        numbers = f"{affine.gain.hex()}, {affine.offset.hex()}"
-        kind = one.role.upper()
-        flags = f"{kind}, {int(one.boolean)}, {int(affine.converts)}"
-        yield f"    {{offsetof(Memory, {one.place}), {numbers}, {flags}}},"
-    yield "};"
-    yield f"enum {{ N_VARIABLES = {len(outside)} }};"
 
 
 def _doubles(numbers: NDArray[np.float64]) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +12,24 @@ from broken import ball, pack
 from foreign import foreign
 from outcomes import outcomes
 from systems import part, system
+from typer.testing import CliRunner
 
 from fmus.build import build
+from orchestrator.cli import app
 from orchestrator.errors import FeedDriveError
+from orchestrator.master.checkpoint import Checkpoints, Keeper
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.simulate import plan, simulate
-from orchestrator.result import Result, Signal
+from orchestrator.result import Result, Signal, reached
 from orchestrator.signals.recording import Recording, play
 from orchestrator.system import Component, Fault, Injection, Isolation, Mapped, System
 
 PAGE = Path(__file__).parents[3] / "docs" / "executors.md"
 SMALL = Path(__file__).parents[2] / "fmus" / "small_models"
 EXECUTORS = ("python", "kernel", "fused", "lanes")
+
+
+CHECKPOINT = "checkpoint and resume"
 
 
 def pair(**options: object) -> System:
@@ -187,6 +194,24 @@ def falling(folder: Path) -> System:
     return system("1", [part("a", "counter", "1/10"), one], {"ball.u": "a.k"}, rows)
 
 
+def mixed() -> System:
+    """Dead time, a latency, several rates with an offset, a fault with a memory."""
+    slow = replace(controller("native"), name="slow", period=Fraction(1, 1000))
+    slow = replace(
+        slow, offset=Fraction(1, 3000), map={"y": Mapped("y", 1.0, 0.0, "V")}
+    )
+    late = Fault("delay", 0.0, 2, Fraction(1, 200), None)
+    given = lag()
+    pi = replace(given.components["pi"], latency=2)
+    return replace(
+        given,
+        components={**given.components, "pi": pi, "slow": slow},
+        connections={**given.connections, "slow.y": "late.y"},
+        record={"late.y": (Fraction(1, 1000),), "slow.u": (Fraction(1, 500),)},
+        faults={"late.u": (late,)},
+    )
+
+
 def words(folder: Path) -> System:
     here, step = Isolation(process=False), Fraction(1, 1000)
     file = foreign(3, folder)
@@ -237,6 +262,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "Python FMU": lambda _: python_fmu(),
     "FMU that ends the run": ending,
     "model exchange with state events": falling,
+    CHECKPOINT: lambda _: mixed(),
 }
 
 
@@ -247,7 +273,36 @@ def written() -> dict[str, dict[str, str]]:
     return {row[0]: dict(zip(head[1:], row[1:], strict=True)) for row in rows}
 
 
-def carried_out(given: System, executor: str, folder: Path) -> dict[str, Signal]:
+def resumed(given: System, executor: str, folder: Path) -> Result:
+    """Interrupt a run behind its tenth checkpoint, and go on with it."""
+    place, kept = folder / executor, Checkpoints(Fraction(1, 1000))
+    options = {"executor": executor, "checkpoints": kept}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Keeper, "write", interrupting(Keeper.write))
+        with pytest.raises(KeyboardInterrupt):
+            simulate(given, place, **options)  # type: ignore[arg-type]
+    assert 0 < (reached(place) or 0) < float(given.stop)
+    options["checkpoints"] = replace(kept, resumed=True)
+    return simulate(given, place, **options)  # type: ignore[arg-type]
+
+
+def interrupting(write: Callable[..., None]) -> Callable[..., None]:
+    calls = count(1)
+
+    def instead(*arguments: object) -> None:
+        write(*arguments)
+        if next(calls) == 10:
+            raise KeyboardInterrupt
+
+    return instead
+
+
+def carried_out(
+    given: System, executor: str, folder: Path, feature: str = ""
+) -> dict[str, Signal]:
+    if feature == CHECKPOINT and executor == "lanes":
+        verb = ["sweep", "x", "--checkpoint", "1"]
+        raise FeedDriveError(CliRunner().invoke(app, verb).output)
     if executor == "lanes":
         (member,) = Lanes(plan(given), frozenset(given.record), 4).run([{}])
         if member.unsettled:
@@ -255,6 +310,8 @@ def carried_out(given: System, executor: str, folder: Path) -> dict[str, Signal]
         if member.failure is not None:
             raise member.failure
         return dict(member.signals)
+    if feature == CHECKPOINT:
+        return dict(resumed(given, executor, folder))
     done: Result = simulate(given, folder / executor, executor=executor)  # type: ignore[arg-type]
     return dict(done)
 
@@ -268,12 +325,12 @@ def test_a_feature_runs_with_the_same_bits_or_is_refused_in_words(
     for executor in EXECUTORS:
         cell = written()[feature][executor]
         if cell.startswith("runs"):
-            found = carried_out(given, executor, tmp_path / "again")
+            found = carried_out(given, executor, tmp_path / "again", feature)
             for name, signal in reference.items():
                 np.testing.assert_array_equal(found[name].values, signal.values)
         else:
             with pytest.raises(FeedDriveError) as refused:
-                carried_out(given, executor, tmp_path / "again")
+                carried_out(given, executor, tmp_path / "again", feature)
             assert cell.removeprefix("refused: ").strip('"') in str(refused.value)
 
 

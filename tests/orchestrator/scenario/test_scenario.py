@@ -223,6 +223,43 @@ def test_of_several_bases_the_later_wins_and_a_common_one_counts_once(drive, tmp
     assert (spec.stop, spec.title, spec.design) == (1, "two", {})
 
 
+def test_an_heir_in_another_folder_finds_the_files_of_its_base(tmp_path):
+    home, away = tmp_path / "home", tmp_path / "away"
+    home.mkdir()
+    away.mkdir()
+    (home / "drive.toml").write_text(
+        'stop = 1\nexpect_like = "kept"\n'
+        'components.plant = { fmu = "plant.py", step = "1 ms" }\n'
+        'components.load = { fmu = "sub/load.fmu", step = "1 ms" }\n'
+        'components.force = { data = "force.csv", step = "1 ms" }\n'
+        'components.path = { fmu = "controllers.references.stair", step = "1 ms" }\n'
+        'design.gains = { call = "m:f", from_run = "open", signals = { u = "a.b" } }\n'
+        'design.more = { call = "m:f", from_run = "a/b", signals = { u = "a.b" } }\n'
+    )
+    (away / "heir.toml").write_text(
+        'base = "../home/drive.toml"\ncomponents.load.fmu = "mine.fmu"\n'
+    )
+    spec = load_scenario(away / "heir.toml").spec
+    parts, steps = spec.components, spec.design
+    assert parts["plant"].fmu == str(home / "plant.py")
+    assert parts["load"].fmu == "mine.fmu"
+    assert parts["force"].data == str(home / "force.csv")
+    assert parts["path"].fmu == "controllers.references.stair"
+    assert steps["gains"].from_run == str(home / "open.toml")
+    assert steps["more"].from_run == "a/b"
+    assert spec.expect_like is not None
+    assert spec.expect_like.folder == str(home / "kept")
+
+
+def test_an_heir_of_a_published_scenario_finds_the_run_its_design_takes(tmp_path):
+    heir = tmp_path / "heir.toml"
+    heir.write_text('base = "leadscrew_nctf/step"\n')
+    spec = load_scenario(heir).spec
+    runs = {step.from_run for step in spec.design.values()} - {None}
+    assert runs
+    assert all(Path(run).is_file() for run in runs)
+
+
 def test_inheriting_from_itself_or_from_nothing_is_refused(drive, tmp_path):
     child = tmp_path / "child.toml"
     child.write_text('base = "child.toml"')

@@ -1,0 +1,1 @@
+"""Figures of the sources, drawn by their numbers from what we compute."""

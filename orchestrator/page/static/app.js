@@ -1,0 +1,39 @@
+// Which view is shown: the address after # says it.
+
+import { alertOf, h, say } from "./dom.js";
+import { ask, changed, watch } from "./server.js";
+import { project } from "./project.js";
+import { scenario } from "./scenario.js";
+
+const main = document.getElementById("main");
+let view = null;
+
+async function show() {
+  const [, kind = "", name = ""] = location.hash.match(/^#\/(\w*)\/?(.*)$/) ?? [];
+  view?.leave?.();
+  view = null;
+  say("");
+  main.replaceChildren(h("p", { class: "soft" }, "One moment …"));
+  try {
+    const views = { "": project, scenario };
+    const make = views[kind] ?? project;
+    view = await make(decodeURIComponent(name));
+    main.replaceChildren(...view.parts);
+    document.title = `${view.title} · feeddrive`;
+    view.entered?.();
+  } catch (error) {
+    main.replaceChildren(h("h1", {}, decodeURIComponent(name) || "feeddrive"),
+      alertOf(error.message), h("p", {}, h("a", { href: "#/" }, "All scenarios")));
+  }
+}
+
+addEventListener("hashchange", () => show().then(() => {
+  scrollTo(0, 0);
+  main.focus({ preventScroll: true });
+}));
+changed(() => (view?.changed ? view.changed() : show()));
+watch();
+show();
+ask("project").then(({ folder }) => {
+  document.getElementById("folder").textContent = folder;
+}, () => {});

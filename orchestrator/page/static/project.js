@@ -1,0 +1,55 @@
+// The first view: scenarios of the project, kept runs, published scenarios.
+
+import { alertOf, h, number, table, unitOf } from "./dom.js";
+import { ask } from "./server.js";
+
+export const address = (name) => `#/scenario/${encodeURIComponent(name)}`;
+const SHOWN = 3; // figures in the line of a run
+
+export async function project() {
+  const found = await ask("project");
+  const own = found.scenarios.filter((s) => s.own);
+  const published = Map.groupBy(found.scenarios.filter((s) => !s.own),
+    (s) => s.name.split("/")[0]);
+  return {
+    title: "Project",
+    parts: [
+      h("h1", {}, "Scenarios and runs"),
+      h("section", {},
+        h("h2", {}, "Scenarios of this project"),
+        own.length ? h("ul", { class: "list" }, own.map(entry))
+          : h("p", { class: "soft" }, "None yet. Begin with a published one below, or with `feeddrive new`.")),
+      h("section", {},
+        h("h2", {}, "Kept runs"),
+        found.runs.length ? runs(found.runs)
+          : h("p", { class: "soft" }, "None yet: a scenario's Run button keeps one.")),
+      h("section", {},
+        h("h2", {}, "Published scenarios"),
+        [...published].map(([study, listed]) => h("details", {},
+          h("summary", {}, `${study} (${listed.length})`),
+          h("ul", { class: "list" }, listed.map(entry))))),
+    ],
+  };
+}
+
+function entry(scenario) {
+  return h("li", {},
+    h("a", { href: address(scenario.name) }, scenario.name),
+    scenario.title ? h("span", { class: "soft" }, ` ${scenario.title}`) : null,
+    scenario.error ? alertOf(scenario.error) : null);
+}
+
+function runs(found) {
+  return table("Kept runs, the newest first",
+    ["run", "begun", "state", "changed", "figures", "report"],
+    found.map((run) => [
+      run.name,
+      new Date(run.begun).toLocaleString(),
+      run.why ? `${run.state}: ${run.why.split("\n")[0]}` : run.state,
+      run.changed.join(", "),
+      Object.entries(run.metrics).slice(0, SHOWN)
+        .map(([name, m]) => `${name} ${number(m.value, 5)} ${unitOf(m.unit)}`).join(", "),
+      run.report ? h("a", { href: `/report/${encodeURI(run.name)}`, target: "_blank",
+        "aria-label": `report of ${run.name}` }, "report") : "",
+    ]));
+}

@@ -1,0 +1,1 @@
+"""Pictures of a composition as SVG: its wiring and its timetable."""

@@ -1,0 +1,37 @@
+"""A project that is served, and a browser that shows it: once per worker."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from browsed import Page, chromium, served
+from tools import needed
+
+OWN_DRIVE = Path(__file__).parents[3] / "docs/examples/own_drive"
+
+
+@pytest.fixture(scope="session")
+def site(
+    fmu_cache: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[SimpleNamespace]:
+    """The example of a drive of one's own, copied and served."""
+    folder = tmp_path_factory.mktemp("page") / "drive"
+    shutil.copytree(OWN_DRIVE, folder)
+    with served(folder) as address:
+        host, _, token = address.removeprefix("http://").partition("/?token=")
+        yield SimpleNamespace(folder=folder, address=address, host=host, token=token)
+
+
+@pytest.fixture(scope="session")
+def browser(
+    site: SimpleNamespace, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Page]:
+    """The page in headless Chromium."""
+    needed("chromium", "chromedriver")
+    with chromium(tmp_path_factory.mktemp("chromium")) as driver:
+        page = Page(driver, f"http://{site.host}/")
+        driver.get(site.address)
+        yield page
+        assert page.complaints() == []
