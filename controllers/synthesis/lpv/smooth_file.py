@@ -31,6 +31,7 @@ def text(
     T_s: float,
     dense: Sequence[Sided],
     weights: Mapping[str, Any] | None = None,
+    tried: Sequence[tuple[float, float]] = (),
 ) -> str:
     """Return the file.
 
@@ -40,6 +41,7 @@ def text(
         T_s: sample time (s).
         dense: points on which γ is judged.
         weights: what the problem was made of, for the run-time controller and reader.
+        tried: γ_d of a bisection, and what γ the descent came to.
     """
     units = found.start.units
     plain = [
@@ -52,6 +54,7 @@ def text(
         "dense": certified(found, dense),
         **({"weights": dict(weights)} if weights else {}),
         "history": list(found.history),
+        **({"gamma_d": [list(pair) for pair in tried]} if tried else {}),
         "transitions": [list(t) for t in found.problem.transitions],
         "free": list(found.free),
         "decay": found.problem.decay,
