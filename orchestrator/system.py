@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 Scalar: TypeAlias = float | bool | str
 Value: TypeAlias = Scalar | tuple[Scalar, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
+Interface: TypeAlias = Literal["co_simulation", "model_exchange"]
 Range: TypeAlias = Literal["saturate", "wrap"]
 FaultKind: TypeAlias = Literal[
     "stuck", "bias", "gain", "delay", "quantisation", "override"
@@ -44,6 +45,7 @@ class Isolation:
     """Whether an FMU runs in a process of its own, and what it may take there.
 
     ``process`` None means: if it is not ours or needs an execution tool.  A process
+    in a ``sandbox`` may read programs and write in the folder of its FMU, no more; one
     that does not answer within ``answer_within`` seconds is killed; ``memory_limit``
     (bytes) is what it may take besides Python (not enforced on Windows and macOS).
     """
@@ -51,6 +53,7 @@ class Isolation:
     process: bool | None = None
     answer_within: float = 60.0
     memory_limit: float | None = None
+    sandbox: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,7 @@ class Component:
     ``latency`` (whole samples) is for sampled components only.  ``split`` False
     holds the inputs of a continuous component over its own step, whatever is
     published inside; None means: split it there, if the FMU allows that.
+    ``interface`` None means: co-simulation where the FMU has it.
     """
 
     name: str
@@ -85,6 +89,7 @@ class Component:
     isolation: Isolation = Isolation()
     experiment: Experiment = Experiment()
     split: bool | None = None
+    interface: Interface | None = None
 
     @property
     def values(self) -> Mapping[str, Value]:

@@ -116,6 +116,8 @@ def _component(component: Component) -> dict[str, Any]:
         written.setdefault("experiment", {})["tolerance"] = experiment.tolerance
     if component.split is not None:
         written["split"] = component.split
+    if component.interface == "model_exchange":
+        written["interface"] = component.interface
     return {key: value for key, value in written.items() if value != {}}
 
 
@@ -123,6 +125,8 @@ def _isolation(isolation: Isolation) -> dict[str, Any]:
     written: dict[str, Any] = {}
     if isolation.process is not None:
         written["isolation"] = "process" if isolation.process else "none"
+    if isolation.sandbox:
+        written["isolation"] = "sandbox"
     if isolation.answer_within != Isolation().answer_within:
         written["answer_within"] = isolation.answer_within
     if isolation.memory_limit is not None:
