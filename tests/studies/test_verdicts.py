@@ -13,7 +13,7 @@ from orchestrator.reproduction.published import Statement
 from orchestrator.reproduction.reference import read_reference
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.reproduction.verdict import MEANING, summary
-from orchestrator.scenario.reading import find_study
+from orchestrator.scenario.reading import STUDIES, find_study
 
 PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
     "cascade_nppi": {
@@ -148,6 +148,15 @@ def test_every_published_number_stands_with_its_place_and_unit(study: str) -> No
         found_count, found_total = counted[place]
         assert found_count == count, place
         assert found_total == pytest.approx(total, rel=1e-5, abs=1e-9), place
+
+
+@pytest.mark.parametrize(
+    "file", sorted(STUDIES.glob("*/reference.toml")), ids=lambda f: f.parent.name
+)
+def test_few_figures_stand_beside_nothing_published(file: Path) -> None:
+    rows = read_reference(file).figures.values()
+    alone = [r.id for r in rows if r.published is None and r.class_ != "out of reach"]
+    assert len(alone) <= 20, alone
 
 
 @pytest.mark.parametrize(
