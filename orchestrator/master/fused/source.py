@@ -255,20 +255,20 @@ class Source:
         if opened:
             yield f"enum {{ CIRCLE = {len(opened)}, SUBSTITUTIONS = {SUBSTITUTIONS} }};"
             yield '#include "circle.h"'
-        yield "/* bad: NaN in the lanes where an input is given what is not finite */"
-        yield "static int sweep(Engine *e, V *bad) {"
-        yield "    V *const z = e->vector;"
-        yield "    *bad = (V)0.0;"
+        yield "/* NaN in the lanes where an input is given what is not finite */"
+        yield "static V sweep(Engine *e) {"
+        yield "    V *const z = e->vector, bad = (V)0.0;"
         for name in order:
             copies = self.wiring.parts[name].copies
             kept = [c for c in copies if c.sink not in opened]
             lines = [*self._evaluated(name), *self._copied(kept)]
-            lines += [f"*bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
+            lines += [f"bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
             yield from (f"    {line}" for line in lines)
-        yield "    return 1;"
+        yield "    return bad;"
         yield "}"
         yield "EXPORTED int engine_start(Engine *e) {"
         yield "    V *const z = e->vector;"
+        yield "    e->failure = FINE;"
         for name in self.parts:
             yield from (f"    {line}" for line in self._entered(name))
         yield from self._circles(opened)
@@ -316,9 +316,9 @@ class Source:
 
     def _circles(self, opened: Mapping[int, Copy]) -> Iterator[str]:
         """Write the sweeps: one, or until every lane has found its inputs."""
-        yield "    V bad = (V)0.0;"
         if not opened:
-            yield "    if (!sweep(e, &bad)) return 0;"
+            yield "    sweep(e);"
+            yield "    if (e->failure) return 0;"
             return
         if len(opened) > OPENED:
             yield "    return stopped(e, UNSETTLED, 0, 0);"
@@ -331,7 +331,7 @@ class Source:
         yield "    for (int going = 1; going;) {"
         for i, place in enumerate(opened):
             yield f"        z[{place}] = asked[{i}];"
-        yield "        if (!sweep(e, &bad)) return 0;"
+        yield "        V bad = sweep(e);"
         for i, copy in enumerate(opened.values()):
             value = affine_text(f"z[{copy.source}]", copy.affine)
             yield f"        given[{i}] = {value};"
@@ -340,5 +340,6 @@ class Source:
         yield "    }"
         yield "    if (circles_failed(found)) return stopped(e, UNSETTLED, 0, 0);"
         yield "    circles_found(found, asked);"
+        yield "    e->failure = FINE; /* what was refused on the way */"
         for i, place in enumerate(opened):
             yield f"    z[{place}] = asked[{i}];"
