@@ -4,14 +4,13 @@ from pathlib import Path
 
 import pytest
 from effort import EFFORT
-from random_systems import STUDIES
 
 from orchestrator.exchange.ssp.beside import write_beside
 from orchestrator.exchange.ssp.load import load_package
 from orchestrator.exchange.ssp.write import export_ssp, members
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.lock import locked
-from orchestrator.scenario.reading import load_scenario
+from orchestrator.scenario.reading import STUDIES, load_scenario
 from orchestrator.session import run_earlier
 
 SAMPLE = ("ball_screw_pole_placement/p_pi_split_track_500", "gantry/circle_1")
