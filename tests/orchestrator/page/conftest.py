@@ -9,7 +9,7 @@ import pytest
 from browsed import Page, chromium, served
 from tools import needed
 
-OWN_DRIVE = Path(__file__).parents[3] / "docs/examples/own_drive"
+from orchestrator.supplied import PROJECT
 
 
 @pytest.fixture(scope="session")
@@ -18,7 +18,7 @@ def site(
 ) -> Iterator[SimpleNamespace]:
     """The example of a drive of one's own, copied and served."""
     folder = tmp_path_factory.mktemp("page") / "drive"
-    shutil.copytree(OWN_DRIVE, folder)
+    shutil.copytree(PROJECT, folder)
     with served(folder) as address:
         host, _, token = address.removeprefix("http://").partition("/?token=")
         yield SimpleNamespace(folder=folder, address=address, host=host, token=token)
