@@ -1,7 +1,7 @@
 // The first view: scenarios of the project, kept runs, published scenarios.
 
 import { alertOf, h, number, table, unitOf } from "./dom.js";
-import { ask } from "./server.js";
+import { ask, tell } from "./server.js";
 
 export const address = (name) => `#/scenario/${encodeURIComponent(name)}`;
 const SHOWN = 3; // figures in the line of a run
@@ -18,7 +18,8 @@ export async function project() {
       h("section", {},
         h("h2", {}, "Scenarios of this project"),
         own.length ? h("ul", { class: "list" }, own.map(entry))
-          : h("p", { class: "soft" }, "None yet. Begin with a published one below, or with `feeddrive new`.")),
+          : h("p", { class: "soft" }, "None yet. Copy a published one below, or begin one."),
+        beginning()),
       h("section", {},
         h("h2", {}, "Kept runs"),
         found.runs.length ? runs(found.runs)
@@ -30,6 +31,26 @@ export async function project() {
           h("ul", { class: "list" }, listed.map(entry))))),
     ],
   };
+}
+
+// A scenario begins with one component; the rest is added in its own view.
+function beginning() {
+  const place = h("div", {});
+  const field = (id, label, value, size) => [h("label", { for: id }, label),
+    h("input", { id, value, size })];
+  const fields = [field("name", "name ", "", "14"), field("component", "its first component ", "plant", "10"),
+    field("model", "FMU or model ", "", "28"), field("step", "step ", "1/20000", "9"), field("until", "stop in s ", "1", "6")];
+  const begin = async () => {
+    const [name, component, fmu, step, stop] = fields.map(([, input]) => input.value);
+    try {
+      const made = await tell("begin", { name, component, fmu, step, stop });
+      location.hash = address(made.name);
+    } catch (error) {
+      place.replaceChildren(alertOf(error.message));
+    }
+  };
+  return h("details", {}, h("summary", {}, "Begin a scenario"),
+    h("div", { class: "line" }, fields.flat(), h("button", { type: "button", onclick: begin }, "Begin")), place);
 }
 
 function entry(scenario) {
