@@ -16,7 +16,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from orchestrator.errors import ScenarioError
 from orchestrator.outcome import Run
-from orchestrator.page.curves import Board, figures
+from orchestrator.page.compared import compared
+from orchestrator.page.curves import Board, board_of, figures
 from orchestrator.page.kept import Passing
 from orchestrator.page.project import Project
 from orchestrator.page.running import Running
@@ -43,6 +44,7 @@ class Session:
             "run": self._run,
             "abort": self._abort,
             "window": self._window,
+            "compare": self._compare,
         }
         self._start(self._watch())
         try:
@@ -108,7 +110,8 @@ class Session:
 
         def told(t: float, stop: float, rows: Passing | None) -> None:
             head = {"id": number, "t": t, "stop": stop, "live": True}
-            frame = Board([rows] if rows else []).frame(head, width)
+            board = board_of(rows) if rows else Board([])
+            frame = board.frame(head, width)
             loop.call_soon_threadsafe(self._start, self._asked.send_bytes(frame))
 
         def done() -> bytes:
@@ -118,6 +121,17 @@ class Session:
             await self._asked.send_bytes(await self._work.run(done))
         finally:
             del self._running[number]
+
+    async def _compare(self, number: int, said: Mapping[str, Any]) -> None:
+        names, signals = list(map(str, said["runs"])), said.get("signals", ())
+        width = int(said["width"])
+
+        def drawn() -> bytes:
+            told, panels = compared(self._project, names, list(map(str, signals)))
+            board = self._keep(number, Board(panels))
+            return board.frame({"id": number, "board": number, **told}, width)
+
+        await self._asked.send_bytes(await self._work.done(drawn))
 
     async def _abort(self, number: int, said: Mapping[str, Any]) -> None:
         if running := self._running.get(int(said["run"])):
@@ -133,7 +147,7 @@ class Session:
         await self._asked.send_bytes(frame)
 
     def _frame(self, number: int, run: Run, width: int) -> bytes:
-        board = self._keep(number, [run])
+        board = self._keep(number, board_of(run))
         head = {
             "id": number,
             "board": number,
@@ -146,8 +160,8 @@ class Session:
         }
         return board.frame(head, width)
 
-    def _keep(self, number: int, runs: list[Run]) -> Board:
-        board = self._boards[number] = Board(runs)
+    def _keep(self, number: int, board: Board) -> Board:
+        self._boards[number] = board
         while len(self._boards) > BOARDS:
             self._boards.popitem(last=False)
         return board

@@ -11,6 +11,7 @@ from typing import Any
 from urllib.parse import quote
 
 from selenium.common.exceptions import StaleElementReferenceException
+from selenium.webdriver import Keys
 
 FLAGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
@@ -77,7 +78,7 @@ class Page:
         self.open(f"scenario/{quote(name, safe='')}")
         self.until("[data-figure]")
 
-    def until(self, selector: str, *, text: str = "", seconds: float = 60) -> Any:
+    def until(self, selector: str, *, text: str = "", seconds: float = 40) -> Any:
         """Wait for an element, one that holds a text; return it."""
         end = monotonic() + seconds
         while monotonic() < end:
@@ -94,6 +95,11 @@ class Page:
         where = f"//{within}//*[self::button or self::a or self::summary]"
         path = f"{where}[normalize-space()={name!r} or @aria-label={name!r}]"
         self.driver.find_element("xpath", path).click()
+
+    def put(self, field: str, text: str) -> None:
+        """Type a text in place of what stands in the field of an id or label."""
+        found = self.until(f"[id='{field}'], [aria-label='{field}']")
+        found.send_keys(Keys.CONTROL, "a", Keys.NULL, text)
 
     def js(self, script: str, *arguments: Any) -> Any:
         """Return what an async function answers."""

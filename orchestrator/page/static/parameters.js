@@ -3,6 +3,7 @@
 import { h, number } from "./dom.js";
 
 const STEPS = 400; // positions of a slider
+const FIRST = 4; // parameters of a component that are seen at once
 
 const kept = new Map(); // what was moved of each scenario, while the page is open
 
@@ -32,7 +33,7 @@ export class Parameters {
 
   group(component) {
     const given = component.parameters.filter((p) => p.given);
-    const open = given.length > 0 ? given : component.parameters.slice(0, 3);
+    const open = component.parameters.slice(0, Math.max(given.length, FIRST));
     return h("details", { open: true, class: "group" },
       h("summary", {}, component.name),
       open.map((p) => this.row(p)),

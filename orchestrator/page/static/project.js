@@ -60,10 +60,24 @@ function entry(scenario) {
     scenario.error ? alertOf(scenario.error) : null);
 }
 
+// Runs are ticked to be looked at, or compared: the first ticked is compared with.
 function runs(found) {
-  return table("Kept runs, the newest first",
-    ["run", "begun", "state", "changed", "figures", "report"],
+  const ticked = [];
+  const look = h("button", { type: "button", onclick: () => {
+    location.hash = `#/compare/${encodeURIComponent(ticked.join(","))}`;
+  } }, "Show the ticked run");
+  look.disabled = true;
+  const tick = (name, on) => {
+    if (on) ticked.push(name);
+    else ticked.splice(ticked.indexOf(name), 1);
+    look.disabled = ticked.length === 0;
+    look.textContent = ticked.length > 1 ? `Compare ${ticked.length} runs` : "Show the ticked run";
+  };
+  return h("div", {}, h("div", { class: "line" }, look), table("Kept runs, the newest first",
+    ["", "run", "begun", "state", "changed", "figures", "report"],
     found.map((run) => [
+      h("input", { type: "checkbox", "aria-label": `tick ${run.name}`,
+        onchange: (event) => tick(run.name, event.target.checked) }),
       run.name,
       new Date(run.begun).toLocaleString(),
       run.why ? `${run.state}: ${run.why.split("\n")[0]}` : run.state,
@@ -72,5 +86,5 @@ function runs(found) {
         .map(([name, m]) => `${name} ${number(m.value, 5)} ${unitOf(m.unit)}`).join(", "),
       run.report ? h("a", { href: `/report/${encodeURI(run.name)}`, target: "_blank",
         "aria-label": `report of ${run.name}` }, "report") : "",
-    ]));
+    ])));
 }

@@ -59,12 +59,6 @@ def theirs(tmp_path: Path) -> Path:
     return tmp_path / "theirs.fmu"
 
 
-def put(page: Page, field: str, text: str) -> None:
-    found = page.until(f"[id='{field}']")
-    found.clear()
-    found.send_keys(text)
-
-
 def connect(page: Page, source: str, sink: str) -> None:
     Select(page.until("#from")).select_by_value(source)
     Select(page.until("#to")).select_by_value(sink)
@@ -76,15 +70,15 @@ def test_my_fmu_in_place_of_yours(
 ) -> None:
     browser.open()
     browser.until("summary", text="Begin a scenario").click()
-    put(browser, "name", "mine")
-    put(browser, "component", "motor")
-    put(browser, "model", "models/motor.py")
-    put(browser, "step", "1/4000")
-    put(browser, "until", "0.1")
+    browser.put("name", "mine")
+    browser.put("component", "motor")
+    browser.put("model", "models/motor.py")
+    browser.put("step", "1/4000")
+    browser.put("until", "0.1")
     browser.click("Begin")
-    put(browser, "new-name", "controller")
-    put(browser, "new-fmu", "models/speed_pi.py")
-    put(browser, "new-step", "1/4000")
+    browser.put("new-name", "controller")
+    browser.put("new-fmu", "models/speed_pi.py")
+    browser.put("new-step", "1/4000")
     browser.click("Add")
     browser.until("td", text="controller")
     connect(browser, "motor.omega", "motor.i")
@@ -93,16 +87,14 @@ def test_my_fmu_in_place_of_yours(
     browser.until("[aria-label='disconnect controller.omega']")
     connect(browser, "controller.i", "motor.i")
     browser.until("[aria-label='disconnect motor.i']")
-    latency = browser.until("[aria-label='latency of controller']")
-    latency.clear()
-    latency.send_keys("1\t")
+    browser.put("latency of controller", "1\t")
     browser.until(".picture svg", text="latency 1 sample")
     browser.until("summary", text="0 recorded signals").click()
     browser.driver.find_element(
         "xpath", "//label[contains(., 'motor.omega')]/input"
     ).click()
     browser.until("summary", text="1 recorded signals")
-    put(browser, "p-controller.omega_r", "100\t")
+    browser.put("p-controller.omega_r", "100\t")
     browser.click("Write into the scenario")
     file = site.folder / "mine.toml"
     browser.until(".parameter:not(.moved) [id='p-controller.omega_r'][value='100']")
