@@ -18,7 +18,7 @@ from orchestrator.analysis.shots import Shots
 from orchestrator.analysis.variations import Assignment, Axis, grid
 from orchestrator.errors import TuneError
 from orchestrator.quantities.quantity import NoValue
-from orchestrator.response.expected import specified
+from orchestrator.response.expected import loop
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Value
 
@@ -97,7 +97,7 @@ class Judge:
             for c in constraints
             if (owner := c.figure.rpartition(".")[0]) in spec.responses
         }
-        self.full = {n: specified(composition, s) for n, s in self._asked.items()}
+        self.full = {n: loop(composition, s) for n, s in self._asked.items()}
         self._shots = {n: Shots(composition, r) for n, r in self.full.items()}
 
     def judge(self, candidates: Real, *, run_all: bool = False) -> list[Judged]:

@@ -77,8 +77,11 @@ def free_values(
     composition: Composition,
     names: Sequence[str],
     brackets: Mapping[str, Bracket],
+    about: Mapping[str, float] | None = None,
 ) -> tuple[Free, ...]:
     """Return what is to be fitted, with brackets as given or about the start values.
+
+    A bracket given, or about a value of ``about``, need hold that value only.
 
     Raises:
         FitError: a name is no real parameter or start value, or its bracket does not
@@ -86,10 +89,18 @@ def free_values(
     """
     if unknown := [name for name in brackets if name not in names]:
         raise FitError(f"--bounds {unknown[0]}: it is not among --free")
-    return tuple(_free(composition, name, brackets.get(name)) for name in names)
+    return tuple(
+        _free(composition, name, brackets.get(name), (about or {}).get(name))
+        for name in names
+    )
 
 
-def _free(composition: Composition, name: str, given: Bracket | None) -> Free:
+def _free(
+    composition: Composition,
+    name: str,
+    given: Bracket | None,
+    about: float | None,
+) -> Free:
     component, variable = split_name(name)
     if (
         component not in composition.system.components
@@ -112,9 +123,10 @@ def _free(composition: Composition, name: str, given: Bracket | None) -> Free:
         ):
             low = max(low, _finite(described.min, low))
             high = min(high, _finite(described.max, high))
-    if not low <= start <= high or low == high:
+    held = start if about is None else about
+    if not low <= held <= high or low == high:
         raise FitError(
-            f"--bounds {name}={low:g}:{high:g}: does not hold the start value {start:g}"
+            f"--bounds {name}={low:g}:{high:g}: does not hold the start value {held:g}"
         )
     return Free(name, start, (low, high), str(quantity.unit))
 

@@ -2,13 +2,13 @@
 
 What is injected is that of a full measurement of the scenario as it stands: its
 lines, amplitude and shape, with periods down to a quarter as long.  A candidate is
-run with it and without, in lanes where all FMUs are ours: two periods to settle, one
-measured.
+run with it, at each break by itself, and without, in lanes where all FMUs are ours:
+two periods to settle, one measured.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,9 @@ from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
 from orchestrator.response.bench import Bench
 from orchestrator.response.excitation import Lines, grid, signal, spectra
-from orchestrator.response.margins import Margins, margins
-from orchestrator.response.measure import Response
+from orchestrator.response.figures import worst
+from orchestrator.response.margins import margins, peak
+from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import System, Value
 
@@ -39,16 +40,16 @@ UNSETTLED = 0.02  # of a period's rms, from the one before: not stable
 
 @dataclass(frozen=True)
 class Shot:
-    """One loop of a candidate: its margins, or by how much it does not settle."""
+    """Loops of a candidate: their figures, or by how much they do not settle."""
 
-    margins: Margins | None
+    figures: Mapping[str, float] | None
     growth: float = 0.0
 
     def figure(self, name: str) -> float:
         """Return a margin; of a loop that does not settle none is left."""
-        if self.margins is None:
+        if self.figures is None:
             return np.inf if name == "s_max" else -self.growth
-        return float(getattr(self.margins, name))
+        return self.figures[name]
 
 
 class Shots:
@@ -56,58 +57,70 @@ class Shots:
 
     def __init__(self, composition: Composition, full: Response) -> None:
         self._loaded = Loaded()
-        bench = Bench(composition, full.breaks, self._loaded)
-        rates = bench.rates
+        self._bench = Bench(composition, full.breaks, self._loaded)
+        rates = self._bench.rates
         whole = int(rates.whole / rates.T)
         periods = max(float(full.period) / SHORTER, SPACED / full.s_max[1])
         fewest = min(periods, float(full.period)) / float(rates.T)
         self._n = max(1, round(fewest / whole)) * whole
-        self._T, self._name = rates.T, bench.breaks[0].name
-        chosen = grid(self._n, rates.slow, np.random.default_rng(7), None)
+        self._T = rates.T
         dense = self._dense(full)
-        self._lines: Lines = (
-            grid(self._n, rates.slow, np.random.default_rng(7), dense).excited
-            if dense
-            else chosen.excited
-        )
+        generator = np.random.default_rng(7)
+        self._lines: Lines = grid(self._n, rates.slow, generator, dense).excited
         self._hz = self._lines / float(self._n * rates.T)
-        size = np.abs(full.S[:, 0, 0])
+        injected = [self._injected(full, i) for i in range(len(full.breaks))]
+        self._D = [spectra(d, self._n, self._lines)[0] for d in injected]
+        nothing: list[Real | None] = [None] * len(injected)
+        self._runs = [self._of(nothing)]
+        for i, d in enumerate(injected):
+            self._runs.append(self._of([*nothing[:i], d, *nothing[i + 1 :]]))
+
+    def _injected(self, full: Response, i: int) -> Real:
+        size = np.abs(full.S[:, i, i])
         S = np.interp(np.log(self._hz), np.log(full.hz), size)
         shape = 1 / np.maximum(S, np.max(S) / 30)
-        d = full.amplitude[0] * signal(
-            self._lines, shape, self._n, "multisine", np.random.default_rng(1)
-        )
-        self._D = spectra(d, self._n, self._lines)[0]
-        periods = SETTLING + 1
-        system = bench.system([d], self._n, periods)
-        self._with = _Runs(system, self._name, self._loaded)
-        self._without = _Runs(replace(system, injections={}), self._name, self._loaded)
+        generator = np.random.default_rng(1 + i)
+        d = signal(self._lines, shape, self._n, "multisine", generator)
+        return full.amplitude[i] * d
+
+    def _of(self, injected: Sequence[Real | None]) -> "_Runs":
+        system = self._bench.system(injected, self._n, SETTLING + 1)
+        names = tuple(b.name for b in self._bench.breaks)
+        return _Runs(system, names, self._loaded)
 
     def _dense(self, full: Response) -> tuple[float, float] | None:
-        size = np.abs(full.L[:, 0, 0])
-        near = full.hz[(size > 0.1) & (size < 10)] * float(self._n * self._T)
+        S = np.abs(np.diagonal(full.S, axis1=1, axis2=2))
+        T = np.abs(np.diagonal(full.T, axis1=1, axis2=2))
+        here = np.any((T > 0.1 * S) & (T < 10 * S), axis=1)
+        near = full.hz[here] * float(self._n * self._T)
         return (near[0] / 2, near[-1] * 2) if len(near) else None
 
     def take(self, members: Sequence[Values]) -> list[Shot]:
         """Return the shot of every member."""
-        pairs = zip(self._with.run(members), self._without.run(members), strict=True)
-        return [self._shot(*pair) for pair in pairs]
+        found = zip(*(runs.run(members) for runs in self._runs), strict=True)
+        return [self._shot(quiet, excited) for quiet, *excited in found]
 
-    def _shot(self, excited: Real | None, quiet: Real | None) -> Shot:
+    def _shot(self, quiet: Real | None, excited: Sequence[Real | None]) -> Shot:
         n, rows = self._n, (SETTLING + 1) * self._n
-        if excited is None or quiet is None:
-            return Shot(None, 1e3)
-        moved = (excited - quiet)[:rows].reshape(-1, n)
-        if not np.max(np.abs(moved)) < 1e50:
-            return Shot(None, 1e3)
-        size = np.sqrt(np.mean(moved[-1] ** 2))
-        apart = np.sqrt(np.mean((moved[-1] - moved[-2]) ** 2))
-        if apart > UNSETTLED * size:
-            return Shot(
-                None, 1 + float(np.log10(1 + size / np.sqrt(np.mean(moved[0] ** 2))))
-            )
-        B = spectra(moved[-1], n, self._lines)[0]
-        return Shot(margins(self._hz, -B / (B + self._D)))
+        G = []
+        for i, one in enumerate(excited):
+            if one is None or quiet is None:
+                return Shot(None, 1e3)
+            moved = self._bench.published(one - quiet, rows)
+            moved = moved.reshape(len(one), -1, n)
+            if not np.max(np.abs(moved)) < 1e50:
+                return Shot(None, 1e3)
+            size = np.sqrt(np.mean(moved**2, axis=2))
+            apart = np.sqrt(np.mean((moved[:, -1] - moved[:, -2]) ** 2, axis=1))
+            if apart[i] > UNSETTLED * size[i, -1]:
+                grown = float(np.log10(1 + size[i, -1] / size[i, 0]))
+                return Shot(None, 1 + grown)
+            B = [spectra(of_one[-1], n, self._lines)[0] for of_one in moved]
+            G.append(np.array(B).T / self._D[i][:, None])
+        S = np.eye(len(G)) + np.stack(G, axis=2)
+        loops = [margins(self._hz, 1 / S[:, i, i] - 1) for i in range(len(G))]
+        largest = np.linalg.norm(S, 2, axis=(1, 2))
+        return Shot(worst(loops, peak(self._hz, largest)[1]))
 
     def close(self) -> None:
         """Free the FMUs that did not run in lanes."""
@@ -115,16 +128,16 @@ class Shots:
 
 
 class _Runs:
-    """Runs of one system: a recorded signal of each member, None where it failed."""
+    """Runs of one system: recorded signals of each member, None where it failed."""
 
-    def __init__(self, system: System, name: str, loaded: Loaded) -> None:
-        self._timetable, self._name, self._loaded = plan(system), name, loaded
+    def __init__(self, system: System, names: Sequence[str], loaded: Loaded) -> None:
+        self._timetable, self._names, self._loaded = plan(system), names, loaded
         self._lanes: Any = None
         with suppress(SimulationError, CompileError):
-            self._lanes = Lanes(self._timetable, frozenset({name}), width())
+            self._lanes = Lanes(self._timetable, frozenset(names), width())
 
     def run(self, members: Sequence[Values]) -> Iterator[Real | None]:
-        """Yield the signal of every member."""
+        """Yield the signals (names, rows) of every member."""
         if self._lanes is None:
             yield from (self._alone(member) for member in members)
             return
@@ -133,11 +146,14 @@ class _Runs:
                 yield self._alone(values)
             else:
                 failed = member.failure is not None
-                yield None if failed else member.signals[self._name].values
+                yield None if failed else self._rows(member.signals)
 
     def _alone(self, member: Values) -> Real | None:
-        series = Series(self._timetable, frozenset({self._name}), self._loaded)
+        series = Series(self._timetable, frozenset(self._names), self._loaded)
         try:
-            return series.run(member)[0][self._name].values
+            return self._rows(series.run(member)[0])
         except FeedDriveError:
             return None
+
+    def _rows(self, signals: Any) -> Real:
+        return np.array([signals[name].values for name in self._names])

@@ -7,31 +7,30 @@ that and the polish repeated.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis.candidates import BAD, Constraint, Judge, Judged
-from orchestrator.analysis.fit import Bracket, Free, free_values
+from orchestrator.analysis.candidates import Constraint, Judge, Judged
+from orchestrator.analysis.fit import Free
 from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.members import Workers
 from orchestrator.analysis.variations import Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
-from orchestrator.response.expected import specified
+from orchestrator.response.expected import loop
 from orchestrator.response.figures import figures as response_figures
-from orchestrator.response.measure import Response
+from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.responses import FIGURES
-from orchestrator.system import split_name
 
 Real = NDArray[np.float64]
 
 POPULATION = 8  # candidates per free value, at least 24 in all
 GENERATIONS = 40
 ALIKE = 1e-3  # spread of a population's objectives at which it has converged
-POLISH = 60  # evaluations
+POLISH, BATCH = 16, 16  # batches of a polish, and how many candidates each has
+REACH, CLOSE = 0.03, 1e-4  # of a bracket: its first step, and its last
 ROUNDS = 4  # of tightening a bound that a full measurement finds missed
 
 
@@ -51,37 +50,6 @@ class Tuned:
         return {f.name: float(v) for f, v in zip(self.free, self.values, strict=True)}
 
 
-def matching(composition: Composition, pattern: str) -> list[str]:
-    """Return the real parameters that ``controller.K_*`` stands for.
-
-    Raises:
-        TuneError: there are none.
-    """
-    owner, wanted = split_name(pattern)
-    if "*" not in pattern:
-        return [pattern]
-    if owner not in composition.fmus:
-        known = did_you_mean(owner, composition.fmus)
-        raise TuneError(f"--free {pattern}: no component {owner!r}; {known}")
-    variables = composition.fmus[owner].variables
-    names = [
-        f"{owner}.{name}"
-        for name, v in variables.items()
-        if v.causality == "parameter" and v.sort == "real" and fnmatchcase(name, wanted)
-    ]
-    if not names:
-        raise TuneError(f"--free {pattern}: matches no real parameter of {owner}")
-    return names
-
-
-def free_of(
-    composition: Composition, patterns: Sequence[str], bounds: Mapping[str, Bracket]
-) -> tuple[Free, ...]:
-    """Return what is free to be tuned, with brackets given or about its start."""
-    names = [n for pattern in patterns for n in matching(composition, pattern)]
-    return free_values(composition, list(dict.fromkeys(names)), bounds)
-
-
 Progress = Callable[[int, Real, Judged], None]
 Recompose = Callable[[Mapping[str, Setting]], Composition]
 
@@ -93,6 +61,7 @@ def tune(
     constraints: Sequence[Constraint] = (),
     over: Sequence[Axis] = (),
     *,
+    begin: Mapping[str, float] | None = None,
     seed: int = 1,
     generations: int = GENERATIONS,
     recompose: Recompose,
@@ -100,6 +69,7 @@ def tune(
 ) -> Tuned:
     """Find values of ``free`` that make ``objective`` least and keep ``constraints``.
 
+    ``begin`` are values to begin with, of all that is free or of some;
     ``progress`` is told the best so far after each generation; ``recompose`` gives
     the composition with values, which is measured in full at the end.
 
@@ -111,9 +81,11 @@ def tune(
     judge = Judge(composition, free, objective, constraints, over, workers)
     try:
         start = judge.judge(np.array([[f.start for f in free]]), run_all=True)[0]
-        x = _evolved(judge, free, seed, generations, progress)
+        first = np.array([(begin or {}).get(f.name, f.start) for f in free])
+        known = first if begin else None
+        x = _evolved(judge, free, known, seed, generations, progress)
         for _ in range(ROUNDS):
-            x = _polished(judge, free, x)
+            x = _polished(judge, free, x, seed)
             after = _measured(judge, recompose, free, x)
             pairs = list(zip(constraints, judge.constraints, strict=True))
             tighter = tuple(_tightened(*pair, after) for pair in pairs)
@@ -158,6 +130,11 @@ def _refuse_unknown(
         )
     for c in constraints:
         owner, _, figure = c.figure.rpartition(".")
+        if owner in spec.responses and not spec.responses[owner].breaks:
+            raise TuneError(
+                f"--subject-to {c.figure}: responses.{owner} breaks no loop; bounds "
+                f"are kept on metrics and on the margins of loops"
+            )
         if owner in spec.responses and figure not in FIGURES:
             remedy = did_you_mean(figure, FIGURES)
             raise TuneError(f"--subject-to {c.figure}: no such figure; {remedy}")
@@ -194,7 +171,12 @@ class Space:
 
 
 def _evolved(
-    judge: Judge, free: Sequence[Free], seed: int, generations: int, progress: Progress
+    judge: Judge,
+    free: Sequence[Free],
+    begin: Real | None,
+    seed: int,
+    generations: int,
+    progress: Progress,
 ) -> Real:
     from scipy.optimize import differential_evolution
 
@@ -225,35 +207,32 @@ def _evolved(
         tol=ALIKE,
         polish=False,
         init="sobol",
+        x0=None if begin is None else space.places(begin).clip(0, 1),
     )
     return best[0][1]
 
 
-def _polished(judge: Judge, free: Sequence[Free], x: Real) -> Real:
-    from scipy.optimize import minimize
-
-    space = Space(free)
-    u = space.places(x)
-
-    def objective(v: Real) -> float:
-        outside = float(np.sum(np.maximum(0, v - 1) + np.maximum(0, -v)))
-        if outside:
-            return BAD * (1 + outside)
-        return judge.judge(space.values(v)[None])[0].rank
-
-    steps = 0.02 * np.diag(np.where(u > 0.5, -1.0, 1.0))
-    found = minimize(
-        objective,
-        u,
-        method="Nelder-Mead",
-        options={
-            "maxfev": POLISH,
-            "initial_simplex": np.vstack([u, u + steps]),
-            "xatol": 1e-4,
-            "fatol": 1e-9,
-        },
-    )
-    return space.values(found.x)
+def _polished(judge: Judge, free: Sequence[Free], x: Real, seed: int) -> Real:
+    """Return the best found around x: steps along each axis and at random, a batch at
+    a time, shorter where none is better, longer the way the last one went."""
+    space, generator = Space(free), np.random.default_rng(seed)
+    n, radius = len(free), REACH
+    best = space.places(x)
+    rank = judge.judge(space.values(best)[None])[0].rank
+    for _ in range(POLISH):
+        axes = np.concatenate([np.eye(n), -np.eye(n)])
+        ways = generator.normal(size=(max(BATCH - 2 * n, 0), n))
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        tried = np.clip(best + radius * np.concatenate([axes, ways]), 0, 1)
+        ranks = [j.rank for j in judge.judge(space.values(tried))]
+        i = int(np.argmin(ranks))
+        if ranks[i] < rank:
+            best, rank, radius = tried[i], ranks[i], 1.5 * radius
+        else:
+            radius /= 3
+        if radius < CLOSE:
+            break
+    return space.values(best)
 
 
 def _named(free: Sequence[Free], x: Real) -> dict[str, Setting]:
@@ -268,7 +247,7 @@ def _full(
         return {}
     there = recompose(values)
     responses = judge.composition.scenario.spec.responses
-    return {name: specified(there, responses[name]) for name in judge.full}
+    return {name: loop(there, responses[name]) for name in judge.full}
 
 
 def _measured(

@@ -17,11 +17,13 @@ from orchestrator.cli import (
     check,
     compare,
     design,
+    doctor,
     export,
     figure,
     fit,
     fmus,
     importing,
+    new,
     response,
     resume,
     run,
@@ -65,6 +67,7 @@ def common(
 
 for verb in (
     study.demo,
+    new.new,
     study.scenarios,
     fmus.models,
     build.build,
@@ -88,6 +91,7 @@ for verb in (
     second_opinion.second_opinion,
     serve.serve,
     design.design,
+    doctor.doctor,
 ):
     app.command()(verb)
 app.command("import")(importing.import_)

@@ -1,6 +1,6 @@
 """The verb ``tune``: gains that make a figure small and keep margins."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -68,6 +68,7 @@ def tune(
 ) -> None:
     """Tune parameters; write the scenario that has them and a page before/after."""
     from orchestrator.analysis import tune as tuning
+    from orchestrator.analysis.begin import begin_of, free_of
     from orchestrator.analysis.candidates import parse_constraint
     from orchestrator.analysis.variations import parse_axis
     from orchestrator.scenario.compose import compose
@@ -85,7 +86,8 @@ def tune(
     with naming(loaded), waiting(f"tuning {loaded.name}"):
         composition = compose(loaded, run_earlier)
         names = [name.strip() for name in free.split(",") if name.strip()]
-        wanted = tuning.free_of(composition, names, dict(map(bracket, bounds)))
+        begin = begin_of(composition)
+        wanted = free_of(composition, names, dict(map(bracket, bounds)), begin)
         found = tuning.tune(
             composition,
             wanted,
@@ -98,6 +100,7 @@ def tune(
                 )
                 for text in over
             ],
+            begin=begin,
             seed=seed,
             generations=generations,
             recompose=recompose,
@@ -112,6 +115,7 @@ def tune(
                 "objective": found.found.objective,
                 "worst_case": dict(found.found.worst),
                 "scenario": str(target),
+                "start": begin,
                 "before": found.start.objective,
                 "margins": {k: list(v) for k, v in found.margins.items()},
                 "evaluations": found.evaluations,
@@ -120,6 +124,8 @@ def tune(
         return
     print_table(HEAD, _values(found), f"{loaded.name} tuned")
     print_table(FIGURES, _figures(found, minimise))
+    for line in _begun(found, begin):
+        typer.echo(line)
     typer.echo(f"{found.evaluations} runs\nscenario: {target}\nreport: {page}")
 
 
@@ -142,6 +148,14 @@ class _Keeping:
             write_heir(self._composition, best, title, self._target)
         told = "keeps no bound yet" if judged.missed else f"{judged.objective:.6g}"
         typer.echo(f"generation {generation}: {told}", err=True)
+
+
+def _begun(found: "Tuned", begin: Mapping[str, float]) -> Iterator[str]:
+    free = {f.name for f in found.free}
+    if told := [f"{n} = {v:.5g}" for n, v in begin.items() if n in free]:
+        yield f"begun with tune.start: {', '.join(told)}"
+    if told := [n for n in begin if n not in free]:
+        yield f"of tune.start not free, so not used: {', '.join(told)}"
 
 
 def _values(found: "Tuned") -> list[list[str]]:
@@ -181,7 +195,7 @@ def _page(
             r.L[:, 0, 0],
             r.S[:, 0, 0],
             r.T[:, 0, 0],
-            word == "before",
+            "other" if word == "before" else "own",
         )
         for word, of in zip(("before", "tuned"), found.responses, strict=True)
         for r in of.values()

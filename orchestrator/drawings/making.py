@@ -5,6 +5,7 @@ or figures need, a sweep whose figures several curves show.
 """
 
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -19,18 +20,20 @@ from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.metrics import factor
 from orchestrator.outcome import Run
 from orchestrator.quantities.quantity import Quantity, converter
-from orchestrator.quantities.unit import product_unit, unit_of
+from orchestrator.quantities.unit import product_unit, quotient_unit, unit_of
 from orchestrator.report.contour import magnification, outline, traced
 from orchestrator.reproduction.published import Statement
 from orchestrator.reproduction.reference import FigureSpec, Reference, read_reference
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.response.measure import Response, measure
+from orchestrator.response.measure import measure
+from orchestrator.response.measured import Response
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.design import find_function
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run, run_earlier
 
 Array: TypeAlias = NDArray[np.float64]
+DESIGN = "design."
 
 
 class Points(NamedTuple):
@@ -92,9 +95,10 @@ class Maker:
             x, y = makers[curve.source](curve, panel)
             if curve.relative:
                 y = y / y[0]
-            if curve.from_zero:
-                x = x - x[0]
-            y = _part(curve, y)
+            x, y = _from(curve.x_origin, x), _from(curve.origin, _part(curve, y))
+            if curve.power:
+                y = np.asarray(y * x**curve.power)
+            y = curve.factor * y
             known = np.isfinite(x) & np.isfinite(y)
             if not np.any(known):
                 raise ScenarioError(f"{curve.of}: no point of it is a number")
@@ -152,11 +156,15 @@ class Maker:
 
     def _recorded(self, curve: Curve, panel: Panel) -> tuple[Array, Array]:
         done = self._run(curve)
-        time, y, unit = _signal(done, curve.of, curve.against, curve.scale)
+        if curve.of.startswith(DESIGN):
+            over, found = (_designed(done, n) for n in (str(curve.over), curve.of))
+            return _in(*over, panel.x.unit), _in(*found, panel.y.unit)
+        by = curve.scale, curve.per
+        time, y, unit = _signal(done, curve.of, curve.against, *by)
         if curve.over is None:
             x, x_unit = time, "s"
         else:
-            _, x, x_unit = _signal(done, curve.over, curve.over_against, curve.scale)
+            _, x, x_unit = _signal(done, curve.over, curve.over_against, *by)
         if curve.window is not None:
             inside = (time >= curve.window[0]) & (time <= curve.window[1])
             time, x, y = time[inside], x[inside], y[inside]
@@ -216,11 +224,12 @@ class Maker:
 
     def _measured(self, curve: Curve, panel: Panel) -> tuple[Array, Array]:
         file = self._file(curve)
-        key = f"{file} {curve.set} {curve.broken}"
+        key = f"{file} {curve.set} {curve.broken} {curve.lowest}"
         if key not in self._loops:
             composition = compose(load_scenario(file, curve.set), run_earlier)
             broken = str(curve.broken).split()
-            self._loops[key] = measure(composition, broken, quick=True)
+            lowest = Fraction(curve.lowest)
+            self._loops[key] = measure(composition, broken, lowest=lowest, quick=True)
         found = self._loops[key]
         matrices: Mapping[str, Any] = {"L": found.L, "S": found.S, "T": found.T}
         if curve.of not in matrices:
@@ -254,7 +263,11 @@ class Maker:
             for row in rows
         ]
         y = [
-            np.nan if v is None else Quantity(v, row.unit).to(panel.y.unit).value
+            np.nan
+            if v is None
+            else v
+            if curve.factor != 1  # which makes another quantity of it
+            else Quantity(v, row.unit).to(panel.y.unit).value
             for row, v in zip(rows, values, strict=True)
         ]
         return np.array(curve.at, dtype=float), np.array(y, dtype=float)
@@ -272,7 +285,7 @@ class Maker:
 
 
 def _signal(
-    done: Run, of: str, against: str | None, scale: float | str
+    done: Run, of: str, against: str | None, scale: float | str, per: float | str
 ) -> tuple[Array, Array, str]:
     """Return time, values, and their unit, of a signal less another."""
     for name in filter(None, (of, against)):
@@ -288,9 +301,28 @@ def _signal(
         if len(other) != len(signal):
             raise ScenarioError(f"{of} and {against} are recorded at two rates")
         values = values - _in(other.values, other.unit, signal.unit)
-    by = factor(scale, done.composition.parameter)
-    unit = str(product_unit(signal.unit, by.unit))
-    return signal.time, values * by.value, unit
+    times, by = (factor(f, done.composition.parameter) for f in (scale, per))
+    unit = str(quotient_unit(product_unit(signal.unit, times.unit), by.unit))
+    return signal.time, values * times.value / by.value, unit
+
+
+def _designed(done: Run, name: str) -> tuple[Array, str]:
+    """Return an array that a design step has found, ``design.<step>.<name>``."""
+    step, _, field = name.removeprefix(DESIGN).partition(".")
+    composition = done.composition
+    found = composition.designs.get(step)
+    if not name.startswith(DESIGN) or found is None or field not in found.values:
+        raise ScenarioError(f"{done.scenario.name}: no design step gives {name!r}")
+    component = composition.scenario.spec.design[step].sets[0]
+    unit = str(composition.unit(f"{component}.{field}"))
+    return np.asarray(found.values[field], dtype=float), unit
+
+
+def _from(origin: str | None, values: Array) -> Array:
+    if origin is None:
+        return values
+    zero = values[0] if origin == "first" else values[-1]
+    return np.asarray(zero - values if origin == "left" else values - zero)
 
 
 def _in(values: Array, unit: Any, wanted: str) -> Array:

@@ -20,21 +20,24 @@ A key of a curve may stand at its panel or at the figure; the nearer counts,
 ``arguments`` merge and ``set`` adds up.  ``base = "fig_6_7"`` takes over another
 figure, key by key.  A curve has one source:
 
-    scenario     a run's signal ``of``, less ``against``, times ``scale``, over time
-                 or over the signal ``over`` less ``over_against``; ``window`` (s)
-                 takes a part, ``show`` its rate, spectrum, density (per root of Hz),
-                 or, for a contour metric ``of``, the path, errors magnified
+    scenario     a run's signal ``of``, less ``against``, times ``scale / per``, over
+                 time or over the signal ``over`` less ``over_against``; ``window``
+                 (s) takes a part, ``show`` its rate, spectrum, density (per root of
+                 Hz), or, for a contour metric ``of``, the path, errors magnified;
+                 ``design.<step>.<name>`` is an array that a design step has found
     vary         a figure ``of`` of a scenario against values of a key, or against
                  another figure ``over``
-    broken       L, S or T (``of``) measured at a signal of the co-simulation; of
-                 several signals the largest singular value
+    broken       L, S or T (``of``) measured at a signal of the co-simulation from
+                 ``lowest`` (Hz) up; of several signals the largest singular value
     call         ``of`` of the arrays that a function returns over the first of them
                  or over ``over``; of a complex one the real part (Nyquist plots)
     rows         figures of ``reference.toml``, ours ``at`` these places
     x_data       numbers that the source prints, with ``y_data``
 
 ``part`` takes magnitude, db, phase, real or imag; ``relative`` divides by the first
-value; values are converted to the units of the axes, those of a function as they are.
+value, ``origin`` and ``x_origin`` count from the first value, from the last, or what is
+left to the last.  Values are converted to the units of the axes, those of a function as
+they are; then times ``factor`` and x to the ``power``.
 """
 
 from collections.abc import Mapping
@@ -55,6 +58,7 @@ SOURCES = ("vary", "broken", "call", "rows", "x_data")
 FROM_RUN = ("vary", "broken")  # sources that name a scenario besides
 
 Part = Literal["magnitude", "db", "phase", "real", "imag"]
+Origin = Literal["first", "last", "left"]
 Numbers = tuple[float, ...]
 
 
@@ -71,11 +75,13 @@ class Curve(Strict):
     scenario: str | None = None
     set: tuple[str, ...] = Field(default=(), strict=False)
     scale: float | str = 1.0
+    per: float | str = 1.0
     window: tuple[float, float] | None = Field(default=None, strict=False)
     show: Literal["signal", "rate", "spectrum", "density", "contour"] = "signal"
     vary: str | None = None
     values: Numbers = Field(default=(), strict=False)
     broken: str | None = None
+    lowest: int = Field(default=1, ge=1)
     call: str | None = None
     arguments: dict[str, Any] = Field(default_factory=dict)
     rows: tuple[str, ...] = Field(default=(), strict=False)
@@ -83,9 +89,12 @@ class Curve(Strict):
     published: bool = False
     x_data: Numbers = Field(default=(), strict=False)
     y_data: Numbers = Field(default=(), strict=False)
+    factor: float = 1.0
     part: Part | None = None
     relative: bool = False
-    from_zero: bool = False
+    power: int = 0
+    origin: Origin | None = None
+    x_origin: Origin | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

@@ -1,9 +1,9 @@
-"""The page of a frequency response: Bode, Nyquist, S and T with their borders."""
+"""The page of a frequency response: Bode, Nyquist, S and T with their borders, or G."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +12,40 @@ from orchestrator.report.swept import FAILED, HEIGHT, HELD, STYLE
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-OTHER = "#888"
+OTHER, TRACED = "#888", "#c26a00"
+
+
+Style: TypeAlias = Literal["own", "other", "traced"]
+
+
+class Trace(NamedTuple):
+    """Complex values (lines,) at ``hz``; ``other`` ones are drawn thin and grey, what
+    equations give ``traced``, dashed."""
+
+    name: str
+    hz: Real
+    values: Complex
+    style: Style = "own"
 
 
 class Curve(NamedTuple):
-    """One loop: L, S, T (lines,) at ``hz``; ``other`` ones are drawn thin and grey."""
+    """One loop: L, S, T (lines,) at ``hz``, drawn as a ``Trace``."""
 
     name: str
     hz: Real
     L: Complex
     S: Complex
     T: Complex
-    other: bool = False
+    style: Style = "own"
+
+    @classmethod
+    def of(cls, name: str, hz: Real, L: Complex, style: Style = "own") -> "Curve":
+        """Return the loop with this L."""
+        return cls(name, hz, L, 1 / (1 + L), L / (1 + L), style)
+
+    @property
+    def open(self) -> Trace:
+        return Trace(self.name, self.hz, self.L, self.style)
 
 
 def write_responded(
@@ -33,11 +55,39 @@ def write_responded(
     curves: Sequence[Curve],
     borders: Mapping[str, float],
     path: Path,
+    loci: Sequence[Trace] = (),
 ) -> Path:
-    """Write the page and return its path; ``borders`` are levels of |S| by name."""
+    """Write the page and return its path; ``borders`` are levels of |S| by name.
+
+    ``loci`` are the eigenvalues of an L of several breaks.
+    """
+    pictures = [bode([curve.open for curve in curves], "L"), nyquist(curves)]
+    if loci:
+        pictures.append(generalised_nyquist(loci))
+    pictures.append(sensitivity(curves, borders))
+    return _page(title, words, tables, pictures, path)
+
+
+def write_transfers(
+    title: str,
+    words: Sequence[str],
+    tables: Sequence[tuple[Sequence[str], Sequence[Sequence[str]]]],
+    traces: Sequence[Trace],
+    path: Path,
+) -> Path:
+    """Write the page of what is between inputs and outputs and return its path."""
+    return _page(title, words, tables, [bode(traces, "G")], path)
+
+
+def _page(
+    title: str,
+    words: Sequence[str],
+    tables: Sequence[tuple[Sequence[str], Sequence[Sequence[str]]]],
+    pictures: Sequence[Any],
+    path: Path,
+) -> Path:
     told = "".join(f"<p>{escape(line)}</p>" for line in words)
     shown = "".join(_table(head, rows) for head, rows in tables)
-    pictures = (bode(curves), nyquist(curves), sensitivity(curves, borders))
     parts = [
         picture.to_html(
             full_html=False,
@@ -64,28 +114,35 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><tr>{names}</tr>{cells}</table>"
 
 
-def _line(curve: Curve) -> dict[str, Any]:
-    return {"color": OTHER, "width": 1} if curve.other else {"color": HELD, "width": 2}
+def _line(style: Style, dash: str = "solid") -> dict[str, Any]:
+    if style == "other":
+        return {"color": OTHER, "width": 1, "dash": dash}
+    if style == "traced":
+        return {"color": TRACED, "width": 1, "dash": "dash"}
+    return {"color": HELD, "width": 2, "dash": dash}
 
 
-def bode(curves: Sequence[Curve]) -> Any:
-    """Return magnitude (dB) and phase (deg) of L over frequency."""
+def bode(traces: Sequence[Trace], what: str) -> Any:
+    """Return magnitude (dB) and phase (deg) over frequency."""
     from plotly.subplots import make_subplots
 
     picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
-    for curve in curves:
-        style = {"x": curve.hz, "line": _line(curve), "name": curve.name}
-        picture.add_scatter(y=_db(curve.L), row=1, col=1, **style)
-        phase = np.degrees(np.unwrap(np.angle(curve.L)))
+    for trace in traces:
+        style = {"x": trace.hz, "line": _line(trace.style), "name": trace.name}
+        picture.add_scatter(y=_db(trace.values), row=1, col=1, **style)
+        phase = np.degrees(np.unwrap(np.angle(trace.values)))
         phase -= 360 * np.round(phase[0] / 360)
         picture.add_scatter(y=phase, row=2, col=1, showlegend=False, **style)
-    picture.add_hline(y=0, line={"color": OTHER, "dash": "dot"}, row=1, col=1)
-    picture.add_hline(y=-180, line={"color": OTHER, "dash": "dot"}, row=2, col=1)
+    dotted = {"color": OTHER, "dash": "dot"}
+    if what == "L":
+        picture.add_hline(y=0, line=dotted, row=1, col=1)
+    picture.add_hline(y=-180, line=dotted, row=2, col=1)
     picture.update_xaxes(type="log")
     picture.update_xaxes(title_text="frequency (Hz)", row=2, col=1)
-    picture.update_yaxes(title_text="|L| (dB)", row=1, col=1)
-    picture.update_yaxes(title_text="phase of L (deg)", row=2, col=1)
-    return _laid_out(picture, "Open loop", HEIGHT + 160)
+    picture.update_yaxes(title_text=f"|{what}| (dB)", row=1, col=1)
+    picture.update_yaxes(title_text=f"phase of {what} (deg)", row=2, col=1)
+    title = "Open loop" if what == "L" else "From what is excited to what is observed"
+    return _laid_out(picture, title, HEIGHT + 160)
 
 
 def nyquist(curves: Sequence[Curve]) -> Any:
@@ -94,27 +151,48 @@ def nyquist(curves: Sequence[Curve]) -> Any:
 
     picture = go.Figure()
     for curve in curves:
-        radius = 1 / np.max(np.abs(curve.S))
-        picture.add_scatter(
-            x=curve.L.real,
-            y=curve.L.imag,
-            line=_line(curve),
-            name=curve.name,
-            text=[f"{hz:.4g} Hz" for hz in curve.hz],
-        )
-        turn = np.linspace(0, 2 * np.pi, 121)
-        picture.add_scatter(
-            x=-1 + radius * np.cos(turn),
-            y=radius * np.sin(turn),
-            line={"color": FAILED, "dash": "dash", "width": 1},
-            name=f"modulus margin {radius:.3g}",
-        )
+        _add_locus(picture, curve.open)
+        if curve.style != "traced":
+            radius = 1 / np.max(np.abs(curve.S))
+            turn = np.linspace(0, 2 * np.pi, 121)
+            picture.add_scatter(
+                x=-1 + radius * np.cos(turn),
+                y=radius * np.sin(turn),
+                line={"color": FAILED, "dash": "dash", "width": 1},
+                name=f"modulus margin {radius:.3g}",
+            )
+    return _around_minus_one(picture, "Nyquist", "L")
+
+
+def generalised_nyquist(loci: Sequence[Trace]) -> Any:
+    """Return the eigenvalues of L around -1, whose product 1 + each is det(I + L)."""
+    import plotly.graph_objects as go
+
+    picture = go.Figure()
+    for i, locus in enumerate(loci):
+        _add_locus(picture, locus, "solid" if i % 2 == 0 else "dot")
+    return _around_minus_one(
+        picture, "Generalised Nyquist: the eigenvalues of L", "an eigenvalue"
+    )
+
+
+def _add_locus(picture: Any, trace: Trace, dash: str = "solid") -> None:
+    picture.add_scatter(
+        x=trace.values.real,
+        y=trace.values.imag,
+        line=_line(trace.style, dash),
+        name=trace.name,
+        text=[f"{hz:.4g} Hz" for hz in trace.hz],
+    )
+
+
+def _around_minus_one(picture: Any, title: str, what: str) -> Any:
     picture.add_scatter(
         x=[-1], y=[0], mode="markers", marker={"color": FAILED}, name="-1"
     )
-    picture.update_xaxes(range=[-3.5, 1.5], title_text="real part of L")
+    picture.update_xaxes(range=[-3.5, 1.5], title_text=f"real part of {what}")
     picture.update_yaxes(range=[-2, 2], title_text="imaginary part", scaleanchor="x")
-    return _laid_out(picture, "Nyquist", HEIGHT + 100)
+    return _laid_out(picture, title, HEIGHT + 100)
 
 
 def sensitivity(curves: Sequence[Curve], borders: Mapping[str, float]) -> Any:
@@ -123,13 +201,13 @@ def sensitivity(curves: Sequence[Curve], borders: Mapping[str, float]) -> Any:
 
     picture = go.Figure()
     for curve in curves:
-        picture.add_scatter(
-            x=curve.hz, y=_db(curve.S), line=_line(curve), name=f"S {curve.name}"
-        )
-        line = {**_line(curve), "dash": "dot"}
-        picture.add_scatter(
-            x=curve.hz, y=_db(curve.T), line=line, name=f"T {curve.name}"
-        )
+        for name, values, dash in (("S", curve.S, "solid"), ("T", curve.T, "dot")):
+            picture.add_scatter(
+                x=curve.hz,
+                y=_db(values),
+                line=_line(curve.style, dash),
+                name=f"{name} {curve.name}",
+            )
     for name, level in borders.items():
         picture.add_hline(
             y=20 * np.log10(level),

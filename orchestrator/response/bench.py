@@ -1,84 +1,93 @@
-"""A composition whose outputs are broken: injected into, and read before that.
+"""A composition that is excited somewhere and observed somewhere.
 
-Broken at an output means: what is injected is added for all inputs that it drives.
 Runs go on past the scenario's stop for as many periods as are asked for; the same
 run without injection is subtracted, in motion too.
 """
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from fractions import Fraction
-from math import lcm
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.errors import ResponseError, SimulationError, did_you_mean
-from orchestrator.fmu.ports import Port, ports
+from orchestrator.errors import ResponseError, SimulationError
 from orchestrator.master.loaded import Loaded
+from orchestrator.master.schedule import rational_gcd
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
-from orchestrator.master.wiring import links_of
+from orchestrator.response.places import (
+    broken_at,
+    excited_at,
+    observed_at,
+    rates_of_loops,
+    rates_of_ways,
+)
 from orchestrator.scenario.compose import Composition
-from orchestrator.system import Injection, System, split_name
+from orchestrator.system import Injection, System
 
 FIRST = 4  # periods of the first run
 
 Real = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Break:
-    """An output that is broken, one number: its sinks, and ours to theirs there."""
+class Bench:
+    """Runs a composition with signals injected at its breaks, or at its inputs.
 
-    name: str
-    unit: str
-    sinks: tuple[tuple[str, float], ...]
-
-
-@dataclass(frozen=True)
-class Rates:
-    """Periods (s): of the broken outputs, after which the loop repeats, of it all.
-
-    ``slowest`` are the components of the loop with its longest period.
+    ``observed`` None: loops, broken and observed at the outputs ``names``; else what
+    is between the inputs (or outputs) ``names`` and the signals ``observed``.
     """
 
-    T: Fraction
-    loop: Fraction
-    whole: Fraction
-    slowest: tuple[str, ...]
-
-    @property
-    def slow(self) -> int:
-        """How many samples of the broken outputs the loop needs to repeat itself."""
-        return int(self.loop / self.T)
-
-
-class Bench:
-    """Runs a composition with signals injected at its breaks."""
-
     def __init__(
-        self, composition: Composition, names: Sequence[str], loaded: Loaded
+        self,
+        composition: Composition,
+        names: Sequence[str],
+        loaded: Loaded,
+        observed: Sequence[str] | None = None,
     ) -> None:
         self.composition, self._loaded = composition, loaded
-        self.breaks = tuple(b for name in names for b in _breaks(composition, name))
-        self.rates = _rates(composition, names)
-        owner = split_name(names[0])[0]
+        self.loops = observed is None
+        at = broken_at if observed is None else excited_at
+        self.breaks = tuple(b for name in names for b in at(composition, name))
+        if observed is None:
+            self.observed = tuple((b.name, b.unit) for b in self.breaks)
+            self.rates = rates_of_loops(composition.system, self.breaks)
+        else:
+            self.observed = tuple(
+                o for name in observed for o in observed_at(composition, name)
+            )
+            seen = [name for name, _ in self.observed]
+            self.rates = rates_of_ways(composition.system, self.breaks, seen)
+        self._names = tuple(
+            dict.fromkeys(
+                [*(n for n, _ in self.observed), *(b.name for b in self.breaks)]
+            )
+        )
+        owner = self.breaks[0].clock
         self._offset = composition.system.components[owner].offset
+        self._row = rational_gcd(self.rates.T, self._offset or self.rates.T)
         self._twin: dict[int, Real] = {}
         self.periods = FIRST  # as many as the last run needed
 
     def responses(self, values: Sequence[Real | None], periods: int) -> Real:
-        """Return (breaks, periods * n) of what the breaks read more than unexcited.
+        """Return (observed, periods * n) of what is observed more than unexcited.
 
         ``values`` (n,) are injected at each break, again and again; None nothing.
         """
         n = next(len(v) for v in values if v is not None)
-        return self._run(values, n, periods) - self.twin(n, periods)
+        m = len(self.observed)
+        return self._run(values, n, periods)[:m] - self.twin(n, periods)
 
     def twin(self, n: int, periods: int) -> Real:
-        """Return (breaks, periods * n) of what the breaks read with no injection."""
+        """Return (observed, periods * n) of what is observed with no injection."""
+        return self._unexcited(n, periods)[: len(self.observed)]
+
+    def levels(self, n: int, periods: int) -> Real:
+        """Return (breaks, periods * n) of what the breaks are with no injection."""
+        rows = [self._names.index(b.name) for b in self.breaks]
+        return self._unexcited(n, periods)[rows]
+
+    def _unexcited(self, n: int, periods: int) -> Real:
         rows = periods * n
         known = max(self._twin, default=0)
         if known < rows:
@@ -87,7 +96,7 @@ class Bench:
         return self._twin[known][:, :rows]
 
     def system(self, values: Sequence[Real | None], n: int, periods: int) -> System:
-        """Return the composition with these injections, recorded at its breaks."""
+        """Return the composition with these injections, recorded whenever they act."""
         injections: dict[str, Injection] = {}
         for broken, given in zip(self.breaks, values, strict=True):
             if given is not None:
@@ -96,14 +105,13 @@ class Bench:
         return replace(
             self.composition.system,
             stop=self._offset + periods * n * self.rates.T,
-            record={b.name: (self.rates.T,) for b in self.breaks},
+            record={name: (self._row,) for name in self._names},
             injections=injections,
         )
 
     def _run(self, values: Sequence[Real | None], n: int, periods: int) -> Real:
         system = self.system(values, n, periods)
-        signals = frozenset(b.name for b in self.breaks)
-        series = Series(plan(system), signals, self._loaded)
+        series = Series(plan(system), frozenset(self._names), self._loaded)
         try:
             found, ended = series.run({})
         except SimulationError as error:
@@ -113,99 +121,29 @@ class Bench:
             ) from error
         if ended is not None:
             raise ResponseError(f"a run was {ended}; a response needs all its periods")
-        rows = [found[b.name].values[: periods * n] for b in self.breaks]
-        return np.array(rows)
+        return np.array(
+            [self.published(found[name].values, periods * n) for name in self._names]
+        )
+
+    def published(self, values: Real, rows: int) -> Real:
+        """Return the first rows of a record at which something is injected."""
+        first, every = int(self._offset / self._row), int(self.rates.T / self._row)
+        return values[..., first : first + rows * every : every]
 
 
 @contextmanager
-def bench(composition: Composition, names: Sequence[str]) -> Iterator[Bench]:
-    """Give a composition broken at these outputs, its FMUs kept loaded.
+def bench(
+    composition: Composition,
+    names: Sequence[str],
+    observed: Sequence[str] | None = None,
+) -> Iterator[Bench]:
+    """Give a composition excited and observed there, its FMUs kept loaded.
 
     Raises:
-        ResponseError: a name is no output of a closed loop, or their periods differ.
+        ResponseError: as of ``broken_at``, ``excited_at`` and ``observed_at``.
     """
     loaded = Loaded()
     try:
-        yield Bench(composition, names, loaded)
+        yield Bench(composition, names, loaded, observed)
     finally:
         loaded.drop()
-
-
-def _breaks(composition: Composition, name: str) -> Iterator[Break]:
-    system = composition.system
-    owner, variable = split_name(name)
-    if owner not in system.components or not variable:
-        known = sorted(set(system.connections.values()))
-        raise ResponseError(
-            f"break {name}: no such output; {did_you_mean(name, known)}"
-        )
-    links = links_of(system, composition.fmus)[0]
-    for port in ports(system.components[owner], composition.fmus[owner], variable):
-        if port.variable.causality != "output" or port.variable.dtype != "float64":
-            raise ResponseError(f"break {name}: {port.full_name} is no real output")
-        sinks = tuple(
-            (sink.full_name, affine.gain / (source.to_ours.gain * sink.to_theirs.gain))
-            for source, sink, affine in links
-            if _same(source, port)
-        )
-        if not sinks:
-            raise ResponseError(f"break {name}: {port.full_name} drives nothing")
-        yield Break(port.full_name, str(port.unit or "1"), sinks)
-
-
-def _same(one: Port, other: Port) -> bool:
-    return (one.component, one.variable.name, one.element) == (
-        other.component,
-        other.variable.name,
-        other.element,
-    )
-
-
-def _rates(composition: Composition, names: Sequence[str]) -> Rates:
-    system = composition.system
-    owners = list(dict.fromkeys(split_name(name)[0] for name in names))
-    parts = system.components
-    clocks = {(parts[o].period, parts[o].offset) for o in owners}
-    if len(clocks) > 1:
-        raise ResponseError(
-            f"breaks {', '.join(names)}: their components have different periods or "
-            f"offsets; break outputs of one clock together"
-        )
-    loop = _loop(system, owners[0])
-    for owner in owners:
-        if owner not in _loop(system, owner):
-            raise ResponseError(
-                f"break {owner}: no connection leads back to it, so there is no loop"
-            )
-        loop |= _loop(system, owner)
-    slowest = max(parts[name].period for name in loop)
-    return Rates(
-        parts[owners[0]].period,
-        _common([parts[name].period for name in loop]),
-        _common([part.period for part in parts.values()]),
-        tuple(sorted(name for name in loop if parts[name].period == slowest)),
-    )
-
-
-def _loop(system: System, owner: str) -> set[str]:
-    """Return the components from which and to which connections lead from ``owner``."""
-    after, before = _reached(system, owner, 1), _reached(system, owner, -1)
-    return after & before
-
-
-def _reached(system: System, owner: str, way: int) -> set[str]:
-    edges = [
-        (split_name(source)[0], split_name(sink)[0])[::way]
-        for sink, source in system.connections.items()
-    ]
-    found: set[str] = set()
-    new = {owner}
-    while new:
-        new = {b for a, b in edges if a in new} - found
-        found |= new
-    return found
-
-
-def _common(periods: Sequence[Fraction]) -> Fraction:
-    below = lcm(*(p.denominator for p in periods))
-    return Fraction(lcm(*(int(p * below) for p in periods)), below)

@@ -1,4 +1,4 @@
-"""One break excited: phasors of what all breaks read, until they are sure.
+"""One place excited: phasors of all that is observed, until they are sure.
 
 Periods are run until two agree, or differ by noise alone; with noise or distortion
 the same lines are excited again with other phases, twice as often each time, until
@@ -21,18 +21,23 @@ AGREED = 1e-7  # of the rms of a period, from one to the next
 MOST = 64  # periods of one run
 LINEAR = 1e-6  # distortion below which one realisation is all
 SURE = 0.004  # standard error of S, of its size: 0.035 dB
+FAINT = 0.01  # of the largest |Q|: what is smaller need not be as sure
 REALISATIONS = 16
 MIN, EVEN = 4, 1.3  # ratio of differences from period to period that are noise alone
+FINE, UNEVEN = 1e-5, 3.0  # and of differences as small as that, which are round-off
+ROUND_OFF = 1e-12  # of a signal, that its difference to another run may be
 HUGE = 1e50  # no signal of a stable loop
 
 
 @dataclass(frozen=True)
 class Column:
-    """Q (lines, breaks) = -U_before/D for one excited break, and how sure it is.
+    """Q (lines, observed) = -Y/D for one excited place, and how sure it is.
+
+    Of a loop that is T, of which S = 1 - T is to be sure; else Q itself.
 
     ``distortion`` is what appears where nothing is excited, ``alias`` what at the
     lines onto which slower samples fold, both as shares of the rms at the excited
-    ones; ``settled`` periods passed before, ``error`` (lines,) is that of |S|.
+    ones; ``settled`` periods passed before, ``error`` (lines,) is that of |S| or |Q|.
     """
 
     Q: Complex
@@ -67,7 +72,7 @@ def column(
         d = rms * signal(lines.excited, shape, lines.n, form, generator)
         found.append(_pass(bench, excited, lines, d))
         if len(found) == wanted:
-            whole = _whole(found, excited)
+            whole = _whole(found, excited if bench.loops else None)
             sure = whole.distortion < LINEAR or np.all(whole.error < SURE)
             if not sure and form == "multisine" and wanted < most:
                 wanted *= 2
@@ -76,7 +81,7 @@ def column(
 
 @dataclass(frozen=True)
 class _Pass:
-    """Phasors of one realisation (lines, breaks) and of its injection (lines,)."""
+    """Phasors of one realisation (lines, observed) and of its injection (lines,)."""
 
     D: Complex
     B: Complex
@@ -91,8 +96,9 @@ def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
     periods, settled = bench.periods, -1
     while settled < 0:
         values = bench.responses(given, periods)
-        of_periods = values.reshape(len(bench.breaks), periods, lines.n)
-        settled = _settled(of_periods, last=periods >= MOST)
+        of_periods = values.reshape(len(bench.observed), periods, lines.n)
+        quiet = bench.twin(lines.n, periods)
+        settled = _settled(of_periods, quiet, last=periods >= MOST)
         bench.periods = periods
         if settled < 0 and periods >= MOST:
             raise ResponseError(
@@ -104,13 +110,14 @@ def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
     rest = values[:, settled * lines.n :]
     slow = bench.rates.slow
     aliased = folds(lines.excited, lines.n, slow) if slow > 1 else lines.excited[:0]
-    quiet = np.setdiff1d(lines.detecting, aliased)
+    silent = np.setdiff1d(lines.detecting, aliased)
+    judged = rest[[excited]] if bench.loops else rest
     B = np.array([spectra(v, lines.n, lines.excited).mean(axis=0) for v in rest]).T
     return _Pass(
         spectra(d, lines.n, lines.excited)[0],
         B,
-        _share(rest[excited], lines.n, quiet, lines.excited),
-        _share(rest[excited], lines.n, aliased, lines.excited),
+        max(_share(v, lines.n, silent, lines.excited) for v in judged),
+        max(_share(v, lines.n, aliased, lines.excited) for v in judged),
         settled,
     )
 
@@ -124,14 +131,26 @@ def _share(values: Real, n: int, of: Lines, among: Lines) -> float:
     return float(np.sqrt(size[0] / size[1])) if size[1] else 0.0
 
 
-def _settled(values: Real, *, last: bool) -> int:
-    """Return how many of the periods (breaks, periods, n) are transient, else -1.
+def _scaled(values: Real, quiet: Real) -> Real:
+    """Return responses (observed, periods, n), each by its own size where it has one.
+
+    What is but round-off of what is there without injection (observed, rows) is none.
+    """
+    size = np.sqrt(np.mean(values[:, -1] ** 2, axis=1))
+    round_off = ROUND_OFF * np.max(np.abs(quiet), axis=1)
+    scaled: Real = values / np.where(size > round_off, size, np.inf)[:, None, None]
+    return scaled
+
+
+def _settled(values: Real, quiet: Real, *, last: bool) -> int:
+    """Return how many of the periods (observed, periods, n) are transient, else -1.
 
     Settled are periods that agree, or differ by what does not grow any more; the
     ``last`` try takes these whatever their differences do, if they are small.
     """
     if not np.max(np.abs(values[:, -1])) < HUGE:
         return -1
+    values = _scaled(values, quiet)
     size = np.sqrt(np.mean(values[:, -1] ** 2))
     if size == 0:
         return 0
@@ -141,12 +160,13 @@ def _settled(values: Real, *, last: bool) -> int:
     if apart[-1] <= AGREED * size:
         return first
     tail = apart[len(apart) // 2 :]
-    even = len(apart) >= MIN and np.max(tail) <= EVEN * np.min(tail)
+    ratio = UNEVEN if np.max(tail) < FINE * size else EVEN
+    even = len(apart) >= MIN and np.max(tail) <= ratio * np.min(tail)
     noise = apart[-1] < size / 2 and first <= len(apart) // 2
     return first if noise and (even or last) else -1
 
 
-def _whole(found: list[_Pass], excited: int) -> Column:
+def _whole(found: list[_Pass], own: int | None) -> Column:
     D = np.array([p.D for p in found])[:, :, None]
     B = np.array([p.B for p in found])
     power = np.sum(np.abs(D) ** 2, axis=0)
@@ -156,21 +176,35 @@ def _whole(found: list[_Pass], excited: int) -> Column:
     coherence = np.divide(
         np.abs(cross) ** 2, scale, out=np.ones(Q.shape), where=scale > 0
     )
-    S = 1 - Q[:, excited]
-    error = np.full(len(S), np.inf)
+    error = np.full(len(Q), np.inf)
     if len(found) > 1:
-        spread = np.abs(-B[:, :, excited] / D[:, :, 0] - Q[:, excited]) ** 2
-        error = np.sqrt(np.sum(spread, axis=0) / (len(found) * (len(found) - 1)))
-        error = error / np.maximum(np.abs(S), 0.1)
+        spread = np.abs(-B / D - Q) ** 2
+        each = np.sqrt(np.sum(spread, axis=0) / (len(found) * (len(found) - 1)))
+        error = _relative(each, Q, own)
     return Column(
         Q,
-        coherence[:, excited],
+        coherence[:, own] if own is not None else np.min(coherence, axis=1),
         error,
         float(np.mean([p.distortion for p in found])),
         float(np.mean([p.alias for p in found])),
         max(p.settled for p in found),
         len(found),
     )
+
+
+def _relative(error: Real, Q: Complex, own: int | None) -> Real:
+    """Return errors (lines, observed) as shares of |S| of the own loop, or of |Q|.
+
+    No line counts for less than a tenth of 1, or a hundredth of the largest |Q|.
+    """
+    if own is not None:
+        share: Real = error[:, own] / np.maximum(np.abs(1 - Q[:, own]), 0.1)
+        return share
+    least = FAINT * np.max(np.abs(Q), axis=0)
+    size = np.maximum(np.abs(Q), least)
+    shares = np.divide(error, size, out=np.zeros(Q.shape), where=size > 0)
+    worst: Real = np.max(shares, axis=1)
+    return worst
 
 
 def _stepped(
@@ -185,7 +219,8 @@ def _stepped(
         d = amplitude * np.cos(2 * np.pi * line * np.arange(lines.n) / lines.n)
         alone = Grid(lines.n, one, np.setdiff1d(everywhere, one))
         passes.append(_pass(bench, excited, alone, d))
-    columns = [_whole([p], excited) for p in passes]
+    own = excited if bench.loops else None
+    columns = [_whole([p], own) for p in passes]
     return Column(
         np.concatenate([c.Q for c in columns]),
         np.concatenate([c.coherence for c in columns]),

@@ -7,7 +7,8 @@ from orchestrator.errors import ResponseError, ScenarioError
 from orchestrator.evaluation.expectation import Check, check
 from orchestrator.quantities.quantity import Quantity, parse_quantity
 from orchestrator.response.figures import figures
-from orchestrator.response.measure import Response, measure
+from orchestrator.response.measure import measure, measure_transfer
+from orchestrator.response.measured import Response, Transfer
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.responses import ResponseSpec
@@ -17,7 +18,7 @@ from orchestrator.scenario.responses import ResponseSpec
 class Responded:
     """Responses by name, their figures and checks."""
 
-    responses: dict[str, Response]
+    responses: dict[str, Response | Transfer]
     figures: dict[str, Quantity]
     checks: list[Check]
 
@@ -41,9 +42,9 @@ def respond(
     if not spec.responses:
         raise ResponseError(
             f"{composition.scenario.file}: has no [responses]; name an output with "
-            f"--break component.output"
+            f"--break component.output, or signals with --excite and --observe"
         )
-    found: dict[str, Response] = {}
+    found: dict[str, Response | Transfer] = {}
     for name, one in spec.responses.items():
         telling(name)
         try:
@@ -58,21 +59,42 @@ def respond(
     return Responded(found, told, check(spec.expected_of_responses, told))
 
 
-def specified(
-    composition: Composition, spec: ResponseSpec, *, quick: bool = False
-) -> Response:
+def specified(composition: Composition, spec: ResponseSpec) -> Response | Transfer:
     """Measure what an entry of ``[responses]`` says."""
-    rms = None
-    if spec.amplitude != "auto":
-        rms = amplitude_of(composition, spec.breaks[0], str(spec.amplitude))
+    if spec.breaks:
+        return loop(composition, spec)
+    return measure_transfer(
+        composition,
+        spec.excite,
+        spec.observe,
+        amplitude=_amplitude(composition, spec),
+        lowest=1 / spec.lowest,
+        form=spec.excitation,
+    )
+
+
+def loop(composition: Composition, spec: ResponseSpec) -> Response:
+    """Measure an entry of ``[responses]`` that breaks a loop."""
     return measure(
         composition,
         spec.breaks,
-        amplitude=rms,
+        amplitude=_amplitude(composition, spec),
         lowest=1 / spec.lowest,
         form=spec.excitation,
-        quick=quick,
     )
+
+
+def _amplitude(composition: Composition, spec: ResponseSpec) -> float | None:
+    if spec.amplitude == "auto":
+        return None
+    written = str(spec.amplitude)
+    found = {amplitude_of(composition, name, written) for name in spec.injected}
+    if len(found) > 1:
+        raise ScenarioError(
+            f"amplitude {written}: is not the same number for all of "
+            f"{', '.join(spec.injected)}; measure them one by one"
+        )
+    return found.pop()
 
 
 def amplitude_of(composition: Composition, name: str, written: str) -> float:

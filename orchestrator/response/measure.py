@@ -1,19 +1,20 @@
-"""The frequency response of a loop: lines, amplitude, shape, then what it says.
+"""The frequency response of a loop, or from inputs to outputs, carried out.
 
 1. a first pass with even lines; ``auto`` looks for the amplitude with the least
    distortion, up from a fiftieth of the signal's peak without injection;
-2. the lines are made denser where |L| is about 1 and shaped by 1/|S|, so that what
-   goes on behind the break is about even;
-3. the pass that counts, and one at half its amplitude: a loop that answers otherwise
-   then is not linear;
-4. all again with a period twice as long, while |S| falls away from its largest value
-   to the next line.
+2. the lines are made denser where |L| is about 1, or |G| largest, and shaped by 1/|S|
+   or 1/|G|, so that what goes on behind the break is about even;
+3. the pass that counts, and one at half its amplitude: what answers otherwise then is
+   not linear;
+4. all again with a period twice as long, while |S| or |G| falls away from its largest
+   value to the next line.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,78 +23,24 @@ from orchestrator.errors import ResponseError
 from orchestrator.response.bench import Bench, bench
 from orchestrator.response.column import Column, column
 from orchestrator.response.excitation import Form, Grid, grid
-from orchestrator.response.margins import Margins, margins, peak
+from orchestrator.response.measured import Response, Transfer
 from orchestrator.scenario.compose import Composition
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+M = TypeVar("M", Response, Transfer)
 
 LOWEST = Fraction(1)  # Hz
 SHAPED = 30.0  # times the smallest line at most
+MOVED = 1e-2  # of how far a signal moves anyway
 STEP, STEPS = 4.0, 5  # of amplitudes that are tried
 GOOD = 1e-3  # distortion at which no other amplitude is looked for
 STEPPED = 40  # lines of a stepped sine
 FINER = 4  # times the lowest line is halved for lines closer to the largest S
-RESOLVED = 0.9
+SEEN = 0.3  # |S| from which on a difference at half the amplitude counts
+LOUD = 0.05  # of the largest |G|, likewise
 ROUGH = 0.01  # distortion with which the largest |S| is not worth more lines
 LOOKING = 2  # realisations of a pass that only looks
-
-
-@dataclass(frozen=True)
-class Response:
-    """L, S, T (lines, m, m) of m breaks at ``hz``, and how they were found.
-
-    ``s_max`` is the largest singular value of S; ``loops`` are the margins of each
-    break with the others closed; ``half`` is the largest relative difference of S
-    (where |S| > 0.3) at half the amplitude; ``range`` (m, 2) is between what values
-    the breaks were without injection.
-    """
-
-    breaks: tuple[str, ...]
-    units: tuple[str, ...]
-    hz: Real
-    L: Complex
-    S: Complex
-    T: Complex
-    coherence: Real
-    amplitude: tuple[float, ...]
-    distortion: float
-    alias: float
-    half: float
-    settled: int
-    realisations: int
-    error: float
-    period: Fraction
-    sample: Fraction
-    slower: str | None
-    range: Real
-    measured: tuple[float, float]
-
-    @property
-    def loops(self) -> tuple[Margins, ...]:
-        return tuple(
-            margins(self.hz, (1 - self.S[:, i, i]) / self.S[:, i, i])
-            for i in range(len(self.breaks))
-        )
-
-    @property
-    def singular(self) -> Real:
-        """The singular values of S (lines, m), largest first."""
-        return np.asarray(np.linalg.svd(self.S, compute_uv=False), dtype=np.float64)
-
-    @property
-    def resolved(self) -> bool:
-        """Whether the lines beside the largest S are nearly as large."""
-        size = self.singular[:, 0]
-        i = int(np.argmax(size))
-        beside = size[max(i - 1, 0) : i + 2]
-        return bool(np.min(beside) > RESOLVED * size[i])
-
-    @property
-    def s_max(self) -> tuple[float, float]:
-        """The largest singular value of S, and where (Hz)."""
-        hz, size = peak(self.hz, self.singular[:, 0])
-        return size, hz
 
 
 def measure(
@@ -115,13 +62,58 @@ def measure(
         ResponseError: no such loop, or it does not settle.
     """
     with bench(composition, breaks) as at:
-        for _ in range(FINER):
-            found = _Measurement(at, lowest, form, quick).response(amplitude)
-            rough = found.distortion > ROUGH
-            if found.resolved or rough or form == "stepped":
-                break
-            lowest /= 2
+        return _resolved(
+            lowest,
+            form,
+            lambda low: _Measurement(at, low, form, quick).response(amplitude),
+        )
+
+
+def measure_transfer(
+    composition: Composition,
+    excited: Sequence[str],
+    observed: Sequence[str],
+    *,
+    amplitude: float | None = None,
+    lowest: Fraction = LOWEST,
+    form: Form = "multisine",
+    quick: bool = False,
+) -> Transfer:
+    """Measure from inputs (or outputs, with all they drive) to any signals.
+
+    The loops of the composition stay closed; what is injected is added to what the
+    input is given anyway.  Options as of ``measure``; ``amplitude`` is in the unit of
+    each input.
+
+    Raises:
+        ResponseError: no such signals, no way between them, or it does not settle.
+    """
+    with bench(composition, excited, observed) as at:
+        return _resolved(
+            lowest,
+            form,
+            lambda low: _Measurement(at, low, form, quick).transfer(amplitude),
+        )
+
+
+def _resolved(lowest: Fraction, form: Form, measured: Callable[[Fraction], M]) -> M:
+    """Measure with lower and lower lines until the largest value is resolved."""
+    for _ in range(FINER):
+        found = measured(lowest)
+        if found.resolved or found.distortion > ROUGH or form == "stepped":
+            break
+        lowest /= 2
     return found
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """What the passes that count found, one of each place that was excited."""
+
+    lines: Grid
+    found: list[Column]
+    sizes: list[float]
+    half: float
 
 
 class _Measurement:
@@ -137,6 +129,23 @@ class _Measurement:
             )
 
     def response(self, amplitude: float | None) -> Response:
+        """Return L, S and T of the loops."""
+        columns = self._columns(amplitude)
+        Q = np.stack([c.Q for c in columns.found], axis=2)
+        S = np.eye(Q.shape[1]) - Q
+        return Response(L=Q @ np.linalg.inv(S), S=S, T=Q, **self._told(columns))
+
+    def transfer(self, amplitude: float | None) -> Transfer:
+        """Return G from what is excited to what is observed."""
+        columns = self._columns(amplitude)
+        return Transfer(
+            observed=tuple(name for name, _ in self._bench.observed),
+            observed_units=tuple(unit for _, unit in self._bench.observed),
+            G=-np.stack([c.Q for c in columns.found], axis=2),
+            **self._told(columns),
+        )
+
+    def _columns(self, amplitude: float | None) -> _Columns:
         m = len(self._bench.breaks)
         rough = self._grid(None)
         even = np.ones(len(rough.excited))
@@ -145,42 +154,49 @@ class _Measurement:
             for i in range(m)
         ]
         first = [self._column(i, rough, even, sizes[i], LOOKING) for i in range(m)]
-        lines = self._grid(self._around_one(first, rough))
-        shapes = [self._shape(c.Q[:, i], rough, lines) for i, c in enumerate(first)]
-        found = [
-            self._column(
-                i, lines, shapes[i], sizes[i], LOOKING if self._quick else None
-            )
-            for i in range(m)
+        lines = self._grid(self._dense(first, rough))
+        shapes = [
+            self._shape(self._size(c, i), rough, lines) for i, c in enumerate(first)
         ]
-        Q = np.stack([c.Q for c in found], axis=2)
-        S = np.eye(m) - Q
+        most = LOOKING if self._quick else None
+        found = [self._column(i, lines, shapes[i], sizes[i], most) for i in range(m)]
         half = 0.0 if self._quick else self._half(found, lines, shapes, sizes)
-        hz = lines.excited / float(self._period)
-        rates, breaks = self._bench.rates, self._bench.breaks
+        return _Columns(lines, found, sizes, half)
+
+    def _told(self, columns: _Columns) -> dict[str, Any]:
+        found, at = columns.found, self._bench
         periods = max(c.settled for c in found)
-        twin = self._bench.twin(self._n, periods + 1)[:, periods * self._n :]
-        return Response(
-            tuple(b.name for b in breaks),
-            tuple(b.unit for b in breaks),
-            hz,
-            Q @ np.linalg.inv(S),
-            S,
-            Q,
-            np.stack([c.coherence for c in found], axis=1),
-            tuple(sizes),
-            max(c.distortion for c in found),
-            max(c.alias for c in found),
-            half,
-            periods,
-            max(c.realisations for c in found),
-            max(float(np.max(c.error)) for c in found),
-            self._period,
-            rates.T,
-            self._slower(),
-            np.stack([twin.min(axis=1), twin.max(axis=1)], axis=1),
-            (float(periods * self._period), float((periods + 1) * self._period)),
-        )
+        level = at.levels(self._n, periods + 1)[:, periods * self._n :]
+        return {
+            "breaks": tuple(b.name for b in at.breaks),
+            "units": tuple(b.unit for b in at.breaks),
+            "hz": columns.lines.excited / float(self._period),
+            "coherence": np.stack([c.coherence for c in found], axis=1),
+            "amplitude": tuple(columns.sizes),
+            "distortion": max(c.distortion for c in found),
+            "alias": max(c.alias for c in found),
+            "half": columns.half,
+            "settled": periods,
+            "realisations": max(c.realisations for c in found),
+            "error": max(float(np.max(c.error)) for c in found),
+            "period": self._period,
+            "sample": at.rates.T,
+            "slower": self._slower(),
+            "range": np.stack([level.min(axis=1), level.max(axis=1)], axis=1),
+            "measured": (
+                float(periods * self._period),
+                float((periods + 1) * self._period),
+            ),
+        }
+
+    def _size(self, c: Column, i: int) -> Real:
+        """Return how large what is to be sure is: |S|, or the largest share of |G|."""
+        if self._bench.loops:
+            return np.abs(1 - c.Q[:, i])
+        most = np.max(np.abs(c.Q), axis=0)
+        shares = np.divide(np.abs(c.Q), most, out=np.zeros(c.Q.shape), where=most > 0)
+        size: Real = np.max(shares, axis=1)
+        return size
 
     def _grid(self, dense: tuple[float, float] | None) -> Grid:
         generator = np.random.default_rng(7)
@@ -201,11 +217,15 @@ class _Measurement:
         """Return the amplitude with the least distortion, from a small one upwards.
 
         None is larger than the range of the signal without injection, if it moves.
+        Of one that does not, what is observed is to move a little more than anyway.
         """
-        twin = self._bench.twin(self._n, 1)[i]
-        moved = float(np.ptp(twin))
+        moved = float(np.ptp(self._bench.levels(self._n, 1)[i]))
         size = moved / 50 or self._declared(i)
-        best = self._column(i, lines, shape, size, 1).distortion
+        first = self._column(i, lines, shape, size, 1)
+        if not moved and not self._bench.loops:
+            size *= self._more(first, size)
+            first = self._column(i, lines, shape, size, 1)
+        best = first.distortion
         for factor in (STEP, 1 / STEP):
             tried, steps = size, 0
             while best > GOOD and steps < STEPS:
@@ -218,6 +238,13 @@ class _Measurement:
                 size, best = tried, now
         return size
 
+    def _more(self, first: Column, rms: float) -> float:
+        """Return how many times more makes something observed move by ``MOVED``."""
+        answered = rms * np.sqrt(np.mean(np.abs(first.Q) ** 2, axis=0))
+        wanted = MOVED * np.ptp(self._bench.twin(self._n, 1), axis=1)
+        seen = (answered > 0) & (wanted > 0)
+        return float(np.min(wanted[seen] / answered[seen])) if np.any(seen) else 1.0
+
     def _declared(self, i: int) -> float:
         """Return a hundredth of what the output's description says of its size."""
         name = self._bench.breaks[i].name
@@ -226,19 +253,22 @@ class _Measurement:
         largest = float(described.max or "inf") if described else np.inf
         return largest / 100 if 0 < largest < np.inf else 0.01
 
-    def _around_one(
+    def _dense(
         self, found: Sequence[Column], lines: Grid
     ) -> tuple[float, float] | None:
-        near = [
-            line
-            for i, c in enumerate(found)
-            for line, q in zip(lines.excited, c.Q[:, i], strict=True)
-            if 0.25 < abs(q / (1 - q)) < 4
-        ]
+        """Return the lines between which |L| is about 1, or |G| large."""
+        near: list[int] = []
+        for i, c in enumerate(found):
+            if self._bench.loops:
+                size = np.abs(c.Q[:, i] / (1 - c.Q[:, i]))
+                here = (size > 0.25) & (size < 4)
+            else:
+                here = self._size(c, i) > 0.5
+            near += lines.excited[here].tolist()
         return (min(near) / 1.2, max(near) * 1.2) if near else None
 
-    def _shape(self, Q: Complex, rough: Grid, lines: Grid) -> Real:
-        S = np.interp(np.log(lines.excited), np.log(rough.excited), np.abs(1 - Q))
+    def _shape(self, size: Real, rough: Grid, lines: Grid) -> Real:
+        S = np.interp(np.log(lines.excited), np.log(rough.excited), size)
         shape: Real = 1 / np.maximum(S, np.max(S) / SHAPED)
         return shape
 
@@ -251,11 +281,14 @@ class _Measurement:
     ) -> float:
         differences = [0.0]
         for i, c in enumerate(found):
-            S = 1 - c.Q[:, i]
             other = self._column(i, lines, shapes[i], sizes[i] / 2, c.realisations)
-            seen = np.abs(S) > 0.3
-            apart = np.abs(c.Q[:, i] - other.Q[:, i]) / np.abs(S)
-            differences += [float(np.max(apart[seen]))] if np.any(seen) else []
+            difference = np.abs(c.Q - other.Q)
+            size, least = np.abs(c.Q), LOUD * np.max(np.abs(c.Q), axis=0)
+            if self._bench.loops:
+                difference, least = difference[:, [i]], np.array([SEEN])
+                size = np.abs(1 - c.Q[:, [i]])
+            seen = (size > least) & (size > 0)
+            differences += (difference[seen] / size[seen]).tolist()
         return max(differences)
 
     def _slower(self) -> str | None:

@@ -237,7 +237,9 @@ def _design(
     results: dict[str, DesignResult] = {}
     for name, step in scenario.spec.design.items():
         try:
-            results[name] = run_step(name, step, nominal.value, earlier_beside)
+            results[name] = run_step(
+                f"design.{name}", step, nominal.value, earlier_beside
+            )
             _hand_over(f"design.{name}", step, results[name], nominal, fmus, maps)
         except (DesignError, ScenarioError) as error:
             raise type(error)(f"{scenario.file}: {error}") from None

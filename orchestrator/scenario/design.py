@@ -41,9 +41,9 @@ class DesignResult:
 
 
 def run_step(
-    name: str, step: DesignSpec, lookup: Lookup, earlier: Earlier
+    where: str, step: DesignSpec, lookup: Lookup, earlier: Earlier
 ) -> DesignResult:
-    """Carry out one design step.
+    """Carry out one design step, which stands ``where`` in the scenario.
 
     ``lookup`` returns the value of a ``component.parameter``; ``earlier`` the
     recorded signals of a scenario that is run first.
@@ -61,9 +61,9 @@ def run_step(
             step.call, given, lambda: call(find_function(step.call), given)
         )
     except DesignError as error:
-        raise DesignError(f"design.{name}: {error}") from None
+        raise DesignError(f"{where}: {error}") from None
     except FeedDriveError as error:
-        raise type(error)(f"design.{name}: {error}") from None
+        raise type(error)(f"{where}: {error}") from None
     return DesignResult(step.call, told, values)
 
 

@@ -1,6 +1,6 @@
-"""``[responses]``: which loops of a scenario are measured, where and how."""
+"""``[responses]``: what of a scenario's loops is measured, where and how."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
@@ -10,6 +10,7 @@ from pydantic import (
     PlainValidator,
     ValidationError,
     field_validator,
+    model_validator,
 )
 
 from orchestrator.errors import ScenarioError
@@ -24,39 +25,82 @@ FIGURES = {
     "crossover_hz": "Hz",
     "s_max": "1",
 }
+FIGURES_OF_TRANSFER = ("peak", "peak_hz", "bandwidth_hz")
+
+Names = tuple[str, ...]
 
 
 class ResponseSpec(Strict):
-    """A loop broken at outputs (``break``): the rms injected, in their unit or with
-    its own, or ``auto``; the lowest line (``from``, a rate); the form of excitation."""
+    """A loop broken at outputs (``break``), or what ``excite`` makes of ``observe``:
+    the rms injected, in its unit or with its own, or ``auto``; the lowest line
+    (``from``, a rate); the form of excitation."""
 
-    breaks: tuple[str, ...] = Field(alias="break", min_length=1)
+    breaks: Names = Field(default=(), alias="break")
+    excite: Names = ()
+    observe: Names = ()
     amplitude: float | str = "auto"
     lowest: Annotated[Fraction, PlainValidator(parse_period), PlainSerializer(str)] = (
         Field(default=Fraction(1), alias="from")
     )  # its period (s)
     excitation: Literal["multisine", "chirp", "stepped"] = "multisine"
 
-    @field_validator("breaks", mode="before")
+    @field_validator("breaks", "excite", "observe", mode="before")
     @classmethod
     def _one_or_several(cls, value: Any) -> Any:
         if isinstance(value, str):
             return (value,)
         return tuple(value) if isinstance(value, list) else value
 
+    @model_validator(mode="after")
+    def _a_loop_or_a_way(self) -> "ResponseSpec":
+        if bool(self.breaks) == bool(self.excite or self.observe):
+            raise ValueError(
+                'say either break = "component.output", or both excite = '
+                '"component.input" and observe = "component.output"'
+            )
+        if bool(self.excite) != bool(self.observe):
+            lacking = "observe" if self.excite else "excite"
+            raise ValueError(f"{lacking} is missing: from where to where?")
+        return self
+
+    @property
+    def injected(self) -> Names:
+        """Where something is added."""
+        return self.breaks or self.excite
+
+    @property
+    def named(self) -> Mapping[str, Names]:
+        """All variables it names, by key."""
+        return {"break": self.breaks, "excite": self.excite, "observe": self.observe}
+
+    @property
+    def figures(self) -> Sequence[str]:
+        """The figures that can be expected of it."""
+        return tuple(FIGURES) if self.breaks else FIGURES_OF_TRANSFER
+
 
 def response_of(
-    breaks: Sequence[str], amplitude: str, lowest: str, excitation: str
+    breaks: Sequence[str],
+    excite: Sequence[str],
+    observe: Sequence[str],
+    amplitude: str,
+    lowest: str,
+    excitation: str,
 ) -> ResponseSpec:
     """Return what the options of a command say.
 
     Raises:
         ScenarioError: one of them is malformed.
     """
-    keys = {"break": tuple(breaks), "amplitude": amplitude, "from": lowest}
+    if bool(breaks) == bool(excite or observe) or bool(excite) != bool(observe):
+        raise ScenarioError(
+            "say either --break component.output, or both --excite component.input "
+            "and --observe component.output"
+        )
+    keys = {"break": tuple(breaks), "excite": tuple(excite), "observe": tuple(observe)}
+    more = {"amplitude": amplitude, "from": lowest, "excitation": excitation}
     try:
-        return ResponseSpec.model_validate({**keys, "excitation": excitation})
+        return ResponseSpec.model_validate({**keys, **more})
     except ValidationError as error:
         first = error.errors()[0]
-        name = first["loc"][0] if first["loc"] else "response"
-        raise ScenarioError(f"--{name}: {first['msg']}") from None
+        raise ScenarioError(f"--{first['loc'][0]}: {first['msg']}") from None

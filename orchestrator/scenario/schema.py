@@ -34,7 +34,7 @@ from orchestrator.evaluation.schema import (
 )
 from orchestrator.quantities.quantity import parse_period
 from orchestrator.scenario.component import ComponentSpec
-from orchestrator.scenario.responses import FIGURES, ResponseSpec
+from orchestrator.scenario.responses import ResponseSpec
 from orchestrator.scenario.written import in_floats, parse_scalar, parse_value
 from orchestrator.system import FaultKind, split_name
 
@@ -101,6 +101,12 @@ class DesignSpec(Strict):
         if bool(self.signals) != (self.from_run is not None):
             raise ValueError("from_run and signals are given together or not at all")
         return self
+
+
+class TuneSpec(Strict):
+    """Where ``feeddrive tune`` starts: a step whose result is set in no run."""
+
+    start: DesignSpec | None = None
 
 
 class FaultSpec(Strict):
@@ -175,6 +181,7 @@ class Specification(Strict):
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     responses: dict[str, ResponseSpec] = Field(default_factory=dict)
+    tune: TuneSpec = TuneSpec()
     expect: dict[str, Expectation] = Field(default_factory=dict)
     expect_like: Likeness | None = None
     tolerances: dict[str, ToleranceSpec] = Field(default_factory=dict)
@@ -238,6 +245,9 @@ class Specification(Strict):
         for name, step in self.design.items():
             for component in step.sets:
                 _one_of(f"design.{name}.sets", "component", component, self.components)
+        if start := self.tune.start:
+            for component in start.sets:
+                _one_of("tune.start.sets", "component", component, self.components)
         for name in self.tolerances:
             self._variable(f'tolerances."{name}"', name)
         for name in self.expect_like.signals if self.expect_like else ():
@@ -245,7 +255,8 @@ class Specification(Strict):
         for name in self.expect:
             owner, _, figure = name.rpartition(".")
             if owner in self.responses:
-                _one_of(f'expect."{name}"', "figure", figure, FIGURES)
+                known_of = self.responses[owner].figures
+                _one_of(f'expect."{name}"', "figure", figure, known_of)
             elif self.responses:
                 known = {*self.metrics, *self.responses}
                 _one_of(f'expect."{name}"', "metric or response", owner, known)
@@ -254,8 +265,9 @@ class Specification(Strict):
         for name, response in self.responses.items():
             if name in self.metrics:
                 raise ValueError(f"responses.{name}: is the name of a metric too")
-            for broken in response.breaks:
-                self._variable(f"responses.{name}.break", broken)
+            for key, named in response.named.items():
+                for one in named:
+                    self._variable(f"responses.{name}.{key}", one)
         return self
 
     @property

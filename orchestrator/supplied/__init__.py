@@ -1,5 +1,7 @@
-"""Foreign FMUs that come along, to try a swap with: C of their own, other names,
-other units, the other sense of rotation.  Built for this machine when asked for.
+"""What comes along: foreign FMUs to try a swap with, and a project to start from.
+
+The FMUs are C of their own, with other names, other units, the other sense of
+rotation, built for this machine when asked for.  ``project`` is what ``new`` copies.
 """
 
 import zipfile
@@ -12,6 +14,7 @@ from orchestrator.errors import FmuError, did_you_mean
 
 PREFIX = "supplied."
 HERE = Path(__file__).parent
+PROJECT = HERE / "project"
 
 
 def build_supplied(name: str, folder: Path) -> Path:

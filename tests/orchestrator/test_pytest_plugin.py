@@ -13,9 +13,9 @@ import pytest
 from fmus.build import build
 from orchestrator.checks import check_fmu
 from orchestrator.pytest_plugin import assert_fmu_conforms
+from orchestrator.supplied import PROJECT as EXAMPLE
 
 pytest_plugins = ["pytester"]
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "own_drive"
 IGNORED = shutil.ignore_patterns("__pycache__", ".*", "runs")
 FILES_ALONE = partial(check_fmu, dynamic=False)
 FAILING = ("weak_gain", "weaker", "wrong_sign", "mistake")

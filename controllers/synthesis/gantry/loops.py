@@ -81,6 +81,23 @@ def x_figures(
         latency, T_s: delay in whole samples, sample time (s).
         parameters: by name, see the module.
     """
+    loop = x_loop(lag, latency, T_s, parameters)
+    found = battery(loop_respond(loop))
+    falling = np.flatnonzero(found.falling)[-1]
+    return {
+        "crossover": float(found.crossovers_hz[falling]),
+        "phase_margin": float(np.rad2deg(found.phase_margins[falling])),
+        "s_max": found.s_max,
+        "s_max_frequency": found.s_max_hz,
+        "active_to": float(found.bands_hz[0, 1]),
+        "radius": float(np.max(np.abs(loop_poles(loop)))),
+    }
+
+
+def x_loop(
+    lag: bool, latency: int, T_s: float, parameters: Mapping[str, float]
+) -> Loop:
+    """Return the z-domain loop of the x axis; arguments as for ``x_figures``."""
     records = {
         "plant": linear_motor_drive.model.parameters,
         "controller": gantry_x.model.parameters,
@@ -92,17 +109,7 @@ def x_figures(
     )
     names = ["x_m", "x_r", "a_xr"]
     law = linearise(gantry_x.model, parameters=p, inputs=names, outputs=["u"], T_s=T_s)
-    loop = Loop(without_bystanders(plant).sample(T_s, "zoh"), law, latency)
-    found = battery(loop_respond(loop))
-    falling = np.flatnonzero(found.falling)[-1]
-    return {
-        "crossover": float(found.crossovers_hz[falling]),
-        "phase_margin": float(np.rad2deg(found.phase_margins[falling])),
-        "s_max": found.s_max,
-        "s_max_frequency": found.s_max_hz,
-        "active_to": float(found.bands_hz[0, 1]),
-        "radius": float(np.max(np.abs(loop_poles(loop)))),
-    }
+    return Loop(without_bystanders(plant).sample(T_s, "zoh"), law, latency)
 
 
 def figures(
@@ -167,10 +174,15 @@ def lagging_figures(
         omega_l_hz: bandwidth of both drives (Hz).
         parameters: by name, see the module; ``k_i`` for instance.
     """
+    return figures("mimo", **(lagging(omega_l_hz) | parameters))  # type: ignore[arg-type]
+
+
+def lagging(omega_l_hz: float) -> dict[str, float]:
+    """Return the parameters of drives that lag and of D designed for them."""
     (p,) = share({}, {"plant": gantry.model.parameters})
     gains = averaging(p.m, p.m_x, p.L, p.J_0, p.d, p.c, p.k, omega_l_hz=omega_l_hz)
     lag = {"plant.amplifier.on": True, "plant.amplifier.omega_l_hz": omega_l_hz}
-    return figures("mimo", **(gains | lag | parameters))  # type: ignore[arg-type]
+    return gains | lag
 
 
 def averaged_figures(latency: int = 1, T_s: float = 1 / 15_000) -> dict[str, float]:

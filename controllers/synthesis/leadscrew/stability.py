@@ -19,7 +19,11 @@ HIGHEST = 1e3  # of ζ: where the search gives up
 
 
 def closed_loop(
-    alpha_T: float, omega_n_T: float, zeta: float, alpha_obj_T: float | None = None
+    alpha_T: float,
+    omega_n_T: float,
+    zeta: float,
+    alpha_obj_T: float | None = None,
+    integral: bool = True,
 ) -> FloatArray:
     """Return the denominator of X/X_r (eq. 3-13), highest power first, shape (6,).
 
@@ -28,13 +32,16 @@ def closed_loop(
         omega_n_T, zeta: design parameters ω_n T (rad) and ζ.
         alpha_obj_T: damping of the object times sample time, where it is not the
             inclination (fig. 7-1).
+        integral: the compensator integrates; without it the pole of the integrator
+            stays at z = 1 (fig. 3-5b).
     """
     a = alpha_T if alpha_obj_T is None else alpha_obj_T
     E = np.exp(-a)
     beta = a + np.expm1(-a)
     b = (-np.expm1(-a) - a * E) / beta
-    mu_1 = omega_n_T * (2 * zeta + omega_n_T)
-    mu_2 = omega_n_T * ((2 * zeta + omega_n_T) * b - 2 * zeta)
+    both = 2 * zeta + (omega_n_T if integral else 0.0)
+    mu_1 = omega_n_T * both
+    mu_2 = omega_n_T * (both * b - 2 * zeta)
     mu_3 = -2 * zeta * omega_n_T * b
     return np.array(
         [

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import Constraint, parse_constraint
 from orchestrator.analysis.fit import Free
 from orchestrator.analysis.sweep import sweep
-from orchestrator.analysis.tune import Space, free_of, tune
+from orchestrator.analysis.tune import Space, tune
 from orchestrator.analysis.variations import Axis
 from orchestrator.cli import app
 from orchestrator.errors import FitError, TuneError

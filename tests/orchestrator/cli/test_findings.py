@@ -9,8 +9,7 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
-
-EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "own_drive"
+from orchestrator.supplied import PROJECT as EXAMPLE
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ class Case(NamedTuple):
     encoder: bool = False
 
 
-SAMPLED = [Case("mc_ppc", 1, 20), Case("p_pi", 2, 10), Case("p_pi", 1, 20, True)]
+SAMPLED = [Case("mc_ppc", 1, 10), Case("p_pi", 2, 20), Case("p_pi", 1, 20, True)]
 ALL = [
     Case(controller, latency, khz, encoder)
     for controller in ("mc_ppc", "p_pi")

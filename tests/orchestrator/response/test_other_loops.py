@@ -20,6 +20,7 @@ from orchestrator.response.bench import bench
 from orchestrator.response.excitation import Form, spectra
 from orchestrator.response.figures import to_frd, words
 from orchestrator.response.measure import measure
+from orchestrator.response.traced import beside
 from plants.xy_table import axis
 
 Complex = NDArray[np.complex128]
@@ -49,7 +50,8 @@ def held(plant: ct.StateSpace, tau: float, T_s: float, z: Complex) -> Complex:
 
 def test_the_xy_tables_loop_is_the_exact_one_with_its_dead_time() -> None:
     T_s = 1 / 2000
-    found = measure(composed(TABLE), ["controller.u"])
+    composition = composed(TABLE)
+    found = measure(composition, ["controller.u"])
     low = found.hz <= 500
     z = np.exp(2j * np.pi * found.hz[low] * T_s)
     plant = linearise(axis.model, inputs=["u"], outputs=["y"])
@@ -60,11 +62,16 @@ def test_the_xy_tables_loop_is_the_exact_one_with_its_dead_time() -> None:
     assert decibels(S, 1 / (1 + L)) < 0.01
     assert degrees(S, 1 / (1 + L)) < 0.1
     assert "in motion" in next(words(found))
+    traced, told = beside(composition, found)
+    assert traced is not None
+    assert "within" in told
+    assert np.allclose(1 + traced.G[low, 0, 0], 1 / (1 + L), rtol=1e-6)
 
 
 def test_the_gantrys_sensitivity_is_the_exact_matrix() -> None:
     breaks = ["y_controller.u_1", "y_controller.u_2"]
-    found = measure(composed("gantry/mimo_line_200"), breaks)
+    composition = composed("gantry/mimo_line_200")
+    found = measure(composition, breaks, lowest=Fraction(4))
     low = found.hz <= 3750
     exact = respond(sampled_loop("mimo", 0.0, {}), found.hz[low])
     S = np.linalg.inv(np.eye(2) + exact.K @ exact.G)
@@ -73,6 +80,14 @@ def test_the_gantrys_sensitivity_is_the_exact_matrix() -> None:
     assert found.s_max[0] == pytest.approx(np.max(large), rel=0.01)
     L = to_frd(found)
     assert L.ninputs == L.noutputs == 2
+    traced, _ = beside(composition, found)
+    assert traced is not None
+    assert np.allclose(np.eye(2) + traced.G[low], S, atol=1e-6 * np.max(large))
+    # K G and its eigenvalues, by which generalised Nyquist judges the loops together
+    eigenvalues = np.linalg.eigvals(exact.K @ exact.G)
+    for line, wanted in zip(found.loci[low], eigenvalues, strict=True):
+        assert np.allclose(np.sort_complex(line), np.sort_complex(wanted), rtol=1e-3)
+    assert np.allclose(np.prod(1 + found.loci, axis=1), 1 / np.linalg.det(found.S))
 
 
 def test_a_break_faster_than_its_loop_gives_the_fundamental_per_line() -> None:
@@ -92,7 +107,7 @@ def test_a_break_faster_than_its_loop_gives_the_fundamental_per_line() -> None:
 
 @pytest.mark.parametrize("form", ["chirp", "stepped"])
 def test_every_excitation_finds_the_same_loop(form: Form) -> None:
-    table, low = composed(TABLE), Fraction(16)
+    table, low = composed(TABLE), Fraction(32)
     many = measure(table, ["controller.u"], lowest=low, quick=True)
     other = measure(
         table, ["controller.u"], lowest=1 / many.period, form=form, quick=True
@@ -130,7 +145,7 @@ def test_friction_is_told_by_distortion_and_by_half_the_amplitude() -> None:
     rubbing = composed(
         "ball_screw_pole_placement/mc_ppc_friction_reversal", "rates.control=10 kHz"
     )
-    found = measure(rubbing, ["controller.u"], lowest=Fraction(32), amplitude=0.3)
+    found = measure(rubbing, ["controller.u"], lowest=Fraction(64), amplitude=0.3)
     assert found.distortion > 0.01
     assert found.half > 0.01
     assert any(line.startswith("not linear") for line in words(found))
@@ -152,3 +167,7 @@ def test_a_foreign_fmus_loop_is_measured_as_its_own_models_is(tmp_path: Path) ->
         for c in (here, there)
     ]
     assert np.array_equal(both[0].S, both[1].S)
+    there = replace(there, sources={**there.sources, "plant": "theirs.fmu"})
+    traced, told = beside(there, both[1])
+    assert traced is None
+    assert "plant is theirs.fmu, whose equations are not known here" in told

@@ -100,9 +100,17 @@ def test_one_break_is_asked_for_on_the_command_line_and_its_page_has_three_pictu
     assert told["break"] == "controller.u"
     assert told["s_max_hz"] == pytest.approx(110, abs=20)
     names = pq.read_table("lines.parquet").column_names
-    assert names == ["hz", "L_re", "L_im", "S_re", "S_im", "T_re", "T_im", "coherence"]
+    parts = [
+        f"{of}_{part}" for of in ("L", "S", "T", "L_traced") for part in ("re", "im")
+    ]
+    assert names == ["hz", *parts, "coherence"]
     page = Path("out/response.html").read_text()
     assert page.count("plotly-graph-div") == 3
+    assert "equations, controller.u" in page
+    table = pq.read_table("lines.parquet").to_pydict()
+    for part in ("re", "im"):  # L of the equations is the measured one
+        measured, exact = (np.array(table[f"{of}_{part}"]) for of in ("L", "L_traced"))
+        assert np.allclose(measured, exact, rtol=1e-6, atol=1e-9)
 
 
 def test_a_run_says_that_it_does_not_measure_responses(tmp_path: Path) -> None:

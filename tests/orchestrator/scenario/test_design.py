@@ -34,7 +34,9 @@ def module(monkeypatch):
 def step(call, told=None, recorded=None, **options):
     spec = DesignSpec(call=f"some_design:{call}", arguments=told or {}, **options)
     parameters = {"plant.m": 4.0}
-    return run_step("gains", spec, parameters.__getitem__, lambda _: recorded or {})
+    return run_step(
+        "design.gains", spec, parameters.__getitem__, lambda _: recorded or {}
+    )
 
 
 def test_arguments_are_numbers_or_parameters_and_results_plain_values():
@@ -74,7 +76,7 @@ def test_a_step_that_cannot_be_carried_out_is_named(call, told, remedy):
 def test_a_missing_module_is_a_design_error():
     spec = DesignSpec(call="no_such_module:design")
     with pytest.raises(DesignError, match="no_such_module"):
-        run_step("gains", spec, lambda _: 0.0, lambda _: {})
+        run_step("design.gains", spec, lambda _: 0.0, lambda _: {})
 
 
 def test_a_signal_that_was_not_recorded_is_refused():
@@ -88,4 +90,4 @@ def test_an_unknown_parameter_keeps_its_own_kind_of_error():
 
     spec = DesignSpec(call="some_design:gains", arguments={"m": "plant.n"})
     with pytest.raises(ScenarioError, match=r"design\.gains: plant\.n"):
-        run_step("gains", spec, lookup, lambda _: {})
+        run_step("design.gains", spec, lookup, lambda _: {})
