@@ -35,6 +35,7 @@ class Running:
 
     file: Path
     settings: Mapping[str, Setting]
+    pace: float | None = None
     aborted: Event = field(default_factory=Event)
 
     def run(self, told: Told) -> Run:
@@ -59,7 +60,9 @@ class Running:
             def begun(folder: Path, timetable: Timetable) -> None:
                 so_far.append(SoFar(composition, folder, timetable))
 
-            return execute(composition, progress=progress, watched=begun)
+            return execute(
+                composition, progress=progress, watched=begun, pace=self.pace
+            )
 
     def _go_on(self, t: Fraction) -> None:
         if self.aborted.is_set():

@@ -105,7 +105,9 @@ class Session:
     async def _run(self, number: int, said: Mapping[str, Any]) -> None:
         file = self._project.scenario(str(said["scenario"]))
         width = int(said["width"])
-        running = self._running[number] = Running(file, _settings(said))
+        pace = said.get("pace")
+        running = Running(file, _settings(said), None if pace is None else float(pace))
+        self._running[number] = running
         loop = asyncio.get_running_loop()
 
         def told(t: float, stop: float, rows: Passing | None) -> None:
@@ -148,6 +150,7 @@ class Session:
 
     def _frame(self, number: int, run: Run, width: int) -> bytes:
         board = self._keep(number, board_of(run))
+        timing = run.timing
         head = {
             "id": number,
             "board": number,
@@ -156,6 +159,7 @@ class Session:
             "ended": run.ended and str(run.ended),
             "warnings": run.warnings,
             "unlike": run.unlike,
+            "paced": str(timing.paced) if timing and timing.paced else None,
             "kept": None if isinstance(run, Passing) else str(run.folder),
         }
         return board.frame(head, width)

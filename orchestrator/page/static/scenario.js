@@ -30,6 +30,7 @@ class Scenario {
     this.write = h("button", { type: "button", onclick: () => this.into() }, "Write into the scenario");
     this.write.hidden = !found.own;
     this.run = h("button", { type: "button", class: "main", onclick: () => this.keep() }, "Run and keep");
+    this.pace = h("input", { id: "pace", size: "5", placeholder: "none", inputmode: "decimal" });
     this.abort = h("button", { type: "button", onclick: () => this.stop() }, "Abort");
     this.abort.hidden = true;
     this.run.disabled = Boolean(found.error);
@@ -44,7 +45,8 @@ class Scenario {
       ...found.warnings.map((text) => h("p", { class: "warning" }, text)),
       h("div", { class: "two" },
         h("div", {},
-          h("div", { class: "line" }, this.run, this.abort, this.progress),
+          h("div", { class: "line" }, this.run,
+            h("label", { for: "pace" }, "held to times real time: "), this.pace, this.abort, this.progress),
           this.errors, this.figures, this.board.element),
         h("div", { class: "side" },
           h("h2", {}, "Parameters"), this.parameters.element, this.write,
@@ -108,7 +110,8 @@ class Scenario {
 
   async keep() {
     this.running = send({ do: "run", scenario: this.found.name,
-      settings: this.parameters.settings, width: this.board.width }, (frame) => this.live(frame));
+      settings: this.parameters.settings, width: this.board.width,
+      ...(this.pace.value ? { pace: Number(this.pace.value) } : {}) }, (frame) => this.live(frame));
     this.busy(true);
     say("running");
     try {
@@ -175,7 +178,7 @@ function figures(frame) {
 
 function notes(frame) {
   const bad = [frame.diverged, ...frame.unlike].filter((text) => text);
-  const told = [frame.ended, ...frame.warnings].filter((text) => text);
+  const told = [frame.paced, frame.ended, ...frame.warnings].filter((text) => text);
   return [...bad.map((text) => h("p", { class: "error" }, text)),
     ...told.map((text) => h("p", { class: "warning" }, text))];
 }

@@ -89,6 +89,14 @@ def test_a_run_shows_how_far_it_is_and_can_be_aborted(
     assert len(Result(kept[-1])["motor.omega"]) > 1
 
 
+def test_a_run_is_held_to_the_clock(browser: Page) -> None:
+    browser.scenario("tests/speed_step.toml")
+    browser.put("pace", "0.2")
+    browser.click("Run and keep")
+    told = browser.until("p.warning", text="paced at 0.2 x real time: ").text
+    assert "blocks, jitter " in told
+
+
 def test_a_zoom_shows_every_recorded_point(browser: Page) -> None:
     browser.scenario("ball_screw_pole_placement/mc_ppc_track_500")
     browser.until("[role=status]", text="15013 recorded points, the least and")
