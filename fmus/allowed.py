@@ -30,6 +30,11 @@ def only_project(wanted: bool = True) -> Iterator[None]:
         _ONLY_PROJECT.reset(token)
 
 
+def trusts_all() -> bool:
+    """Tell whether this is no command, or one that was given ``--trust``."""
+    return not _ONLY_PROJECT.get()
+
+
 def project() -> Path:
     """Return the folder of the project that the working folder is in."""
     here = Path.cwd().resolve()

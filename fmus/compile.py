@@ -130,10 +130,12 @@ def compile_library(
     platform: str,
     cache: Path,
     adapters: Mapping[str, str] | None = None,
+    libraries: Sequence[str] = (),
 ) -> Path:
     """Compile a model's generated sources and link them to the adapters.
 
-    ``adapters`` are those of an FMU built before, ours of today by default.
+    ``adapters`` are those of an FMU built before, ours of today by default;
+    ``libraries`` are those of the system that are linked as well, except on Windows.
     Returns ``<cache>/<digest>/<identifier><suffix>``, made now or found there.
 
     Raises:
@@ -153,7 +155,10 @@ def compile_library(
         for file in objects:
             shutil.copyfile(file, folder / file.name)
         inputs = source_names(generated) + [file.name for file in objects]
-        _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", name, *inputs, "-lm"], folder)
+        linked = ["-lm"]
+        if target.suffix != ".dll":
+            linked += [f"-l{system}" for system in libraries]
+        _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", name, *inputs, *linked], folder)
         publish([folder / name], place)
     return place / name
 

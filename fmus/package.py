@@ -168,10 +168,11 @@ def binaries(
     platforms: Sequence[str],
     cache: Path,
     adapters: Mapping[str, str] | None = None,
+    libraries: Sequence[str] = (),
 ) -> dict[str, bytes]:
     """Compile for every platform; FMI 2 has one folder for both kinds of Mac.
 
-    ``adapters`` are ours of today by default.
+    ``adapters`` are ours of today by default; ``libraries`` are of the system.
 
     Raises:
         BuildError: C does not compile.
@@ -180,7 +181,9 @@ def binaries(
     for name in platforms:
         platform = PLATFORMS[name]
         try:
-            library = compile_library(identifier, generated, name, cache, adapters)
+            library = compile_library(
+                identifier, generated, name, cache, adapters, libraries
+            )
         except CompileError as error:
             raise BuildError(str(error)) from error
         folder = platform.fmi2_folder if fmi == 2 else platform.fmi3_folder

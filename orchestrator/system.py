@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 Scalar: TypeAlias = float | bool | str
 Value: TypeAlias = Scalar | tuple[Scalar, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
+Interface: TypeAlias = Literal["co_simulation", "model_exchange"]
 Range: TypeAlias = Literal["saturate", "wrap"]
 FaultKind: TypeAlias = Literal[
     "stuck", "bias", "gain", "delay", "quantisation", "override"
@@ -71,6 +72,7 @@ class Component:
     ``latency`` (whole samples) is for sampled components only.  ``split`` False
     holds the inputs of a continuous component over its own step, whatever is
     published inside; None means: split it there, if the FMU allows that.
+    ``interface`` None means: co-simulation where the FMU has it.
     """
 
     name: str
@@ -85,6 +87,7 @@ class Component:
     isolation: Isolation = Isolation()
     experiment: Experiment = Experiment()
     split: bool | None = None
+    interface: Interface | None = None
 
     @property
     def values(self) -> Mapping[str, Value]:

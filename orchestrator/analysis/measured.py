@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fmus.units import UnitError
 from orchestrator.errors import FitError, ScenarioError, did_you_mean
+from orchestrator.master.layout import kind_of
 from orchestrator.master.loaded import Loaded
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
@@ -192,8 +193,7 @@ def _on_rows(
     component: Component, composition: Composition, period: Fraction
 ) -> Component:
     """Return a continuous component with a step that meets every row."""
-    kind = component.kind or composition.fmus[component.name].kind
-    if kind == "sampled":
+    if kind_of(component, composition.fmus[component.name]) == "sampled":
         return component
     return replace(component, period=period / ceil(period / component.period))
 

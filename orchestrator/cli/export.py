@@ -49,7 +49,10 @@ def export(
     ] = None,
     platform: Annotated[
         list[str],
-        typer.Option("--platform", help="binary of an .fmu (repeatable)"),
+        typer.Option(
+            "--platform",
+            help="binaries of .fmu, or of FMUs in .ssp (repeatable)",
+        ),
     ] = [],  # noqa: B006
     json: Json = False,
 ) -> None:
@@ -70,19 +73,18 @@ def export(
             )
         ends = _listed(inputs), _listed(outputs)
         written = _whole(run, sets, swap, map, output, *ends, platform, fmi)
-    elif inputs or outputs or platform:
+    elif inputs or outputs:
         raise ScenarioError(
-            f"{output}: --inputs, --outputs and --platform are for a composition as "
-            f"one .fmu"
+            f"{output}: --inputs and --outputs are for a composition as one .fmu"
         )
     elif output.suffix.lower() == ".ssp":
         if at is not None:
             raise ScenarioError("--at: chooses rows of a run, and an .ssp holds none")
-        written = _package(run, sets, swap, map, fmi, output, ssp)
+        written = _package(run, sets, swap, map, fmi, output, ssp, platform)
     elif any(scenario_only):
         raise ScenarioError(
-            f"{output}: --ssp, --set, --swap, --map and --fmi are for a scenario as "
-            f".ssp; the rows of a run are written as they are"
+            f"{output}: --ssp, --set, --swap, --map, --fmi and --platform are for a "
+            f"scenario as .ssp; the rows of a run are written as they are"
         )
     else:
         written = write(_folder(run), output, _period(at))
@@ -110,7 +112,9 @@ def _package(
     fmi: int | None,
     output: Path,
     version: str | None,
+    platforms: list[str],
 ) -> Path:
+    from fmus.compile import platforms_named
     from orchestrator.cli.running import load
     from orchestrator.exchange.ssp.write import export_ssp
     from orchestrator.scenario.compose import compose
@@ -118,7 +122,8 @@ def _package(
 
     scenario = load(name, sets, swaps, maps, fmi)
     with naming(scenario), waiting(f"building the FMUs of {scenario.name}"):
-        return export_ssp(compose(scenario, run_earlier), output, version)
+        wanted = [one for name in platforms for one in platforms_named(name)]
+        return export_ssp(compose(scenario, run_earlier), output, version, wanted)
 
 
 def _listed(names: str | None) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.output import echo, executing, print_json
-from orchestrator.cli.run import Sets, Variant
+from orchestrator.cli.run import Sets, Ssv, Variant
 
 
 @executing
@@ -18,13 +18,17 @@ def import_(
         Path, typer.Option("--output", "-o", metavar="FOLDER", help="what is made")
     ],
     variant: Variant = None,
+    ssv: Ssv = [],  # noqa: B006 - Typer copies it
     sets: Sets = [],  # noqa: B006 - Typer copies it
     json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Make a scenario of a system structure (SSP), beside its FMUs."""
+    from fmus.allowed import trusts_all
     from orchestrator.exchange.ssp.beside import write_beside
+    from orchestrator.exchange.ssp.package import sources_anywhere
 
-    file = write_beside(system, output, variant, sets)
+    with sources_anywhere(trusts_all()):
+        file = write_beside(system, output, variant, sets, ssv)
     if json:
         print_json({"file": str(file)})
     else:
@@ -33,9 +37,12 @@ def import_(
 
 def check_package(system: Path, variant: str | None, *, json: bool) -> None:
     """Print what is wrong with a package: schemas, and what they cannot say."""
+    from fmus.allowed import trusts_all
     from orchestrator.exchange.ssp.load import read_package, schema_faults
+    from orchestrator.exchange.ssp.package import sources_anywhere
 
-    tables = read_package(system, variant)
+    with sources_anywhere(trusts_all()):
+        tables = read_package(system, variant)
     of_schema = schema_faults(system, variant)
     if json:
         print_json(

@@ -30,7 +30,9 @@ MANY = 1000  # rows of a table that is still laid out for the terminal
 P = ParamSpec("P")
 Trust = Annotated[
     bool,
-    typer.Option("--trust", help="execute Python that is not of this project as well"),
+    typer.Option(
+        "--trust", help="execute Python, and open sources of packages, from anywhere"
+    ),
 ]
 Progress = Callable[[Fraction], None]
 

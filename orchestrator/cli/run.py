@@ -91,6 +91,14 @@ Variant = Annotated[
     str | None,
     typer.Option("--variant", metavar="NAME", help="another .ssd of a package (SSP)"),
 ]
+Ssv = Annotated[
+    list[str],
+    typer.Option(
+        "--ssv",
+        metavar="FILE",
+        help="parameter set for a whole package: a file, or one of its own (SSP)",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="show notes of the run")]
 
@@ -119,6 +127,7 @@ def run(
     ] = False,
     fmi: Fmi = None,
     variant: Variant = None,
+    ssv: Ssv = [],  # noqa: B006
     executor: Annotated[
         Executor | None,
         typer.Option(help="what carries out the steps [kernel where it can]"),
@@ -162,7 +171,7 @@ def run(
         )
         return
     original = load_original(scenario, sets, swap, map, fmi, socket) if swap else None
-    loaded = load(scenario, sets, swap, map, fmi, variant, socket)
+    loaded = load(scenario, sets, swap, map, fmi, variant, socket, ssv)
     options = {"executor": executor and executor.value, "profile": profile}
     beside: dict[str, Any] = {}
 

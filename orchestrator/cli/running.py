@@ -19,13 +19,15 @@ def load(
     fmi: int | None,
     variant: str | None = None,
     sockets: Sequence[str] = (),
+    ssv: Sequence[str] = (),
 ) -> "Scenario":
     """Return the scenario that the options of a verb describe, or that of a package.
 
-    ``variant`` is for a package of several systems.
+    ``variant`` is for a package of several systems, ``ssv`` for any package.
     """
+    from fmus.allowed import trusts_all
     from orchestrator.errors import ScenarioError
-    from orchestrator.exchange.ssp.package import is_package
+    from orchestrator.exchange.ssp.package import is_package, sources_anywhere
     from orchestrator.scenario.override import parse_swaps
     from orchestrator.scenario.reading import load_scenario
 
@@ -34,7 +36,10 @@ def load(
     if is_package(name):
         from orchestrator.exchange.ssp.load import load_package
 
-        return load_package(name, overrides, put, variant)
+        with sources_anywhere(trusts_all()):
+            return load_package(name, overrides, put, variant, ssv)
+    if ssv:
+        raise ScenarioError(f"--ssv: {name} is no package of SSP")
     if variant is not None:
         raise ScenarioError(f"--variant: {name} is no package of several systems")
     return load_scenario(name, overrides, put)

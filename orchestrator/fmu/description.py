@@ -17,6 +17,7 @@ from typing import Any, Literal
 from fmus.units import BaseUnit
 from orchestrator.errors import FmuError, did_you_mean
 from orchestrator.fmu.archive import checked_members, read_member
+from orchestrator.fmu.clocks import Clock, clocks_of, ticked
 from orchestrator.fmu.declared import (
     Declared,
     declared,
@@ -109,7 +110,7 @@ class FmuDescription:
     ``internal_step`` (s) is what communication steps should be a multiple of.
     ``saves_state``: its state can be got, written down and set.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
-    reference of the input clock with that period, if it has one.  ``units`` are the
+    reference of the input clock with that period, by which it is ticked.  ``units`` are
     definitions of all units it names.
     """
 
@@ -121,7 +122,7 @@ class FmuDescription:
     tool: str
     description: str
     variables: Mapping[str, FmuVariable]
-    clocks: frozenset[str]
+    clocks: Mapping[str, Clock]
     units: Mapping[str, BaseUnit]
     dependencies: Mapping[str, frozenset[str] | None]
     initial_dependencies: Mapping[str, frozenset[str] | None]
@@ -226,6 +227,10 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
             )
     refuse_vast(path, md)
     kind, period = kind_and_period(path, root)
+    clocks = clocks_of(root)
+    clock = None if kind == "continuous" else ticked(clocks, root)
+    if clock is not None and kind is None:
+        period = clock.period
     cs = md.coSimulation
     interface = cs or md.modelExchange
     names = {v.name for v in md.modelVariables}
@@ -243,7 +248,7 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
             for v in md.modelVariables
             if v.type != "Clock"
         },
-        clocks=frozenset(v.name for v in md.modelVariables if v.type == "Clock"),
+        clocks=clocks,
         units=defined,
         dependencies=_dependencies(md.outputs, names),
         initial_dependencies=_dependencies(md.initialUnknowns, names),
@@ -257,7 +262,7 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
         co_simulation=cs is not None,
         model_exchange=md.modelExchange is not None,
         platforms=_platforms(path),
-        clock=_clock(md.modelVariables) if kind == "sampled" else None,
+        clock=clock.reference if clock else None,
         kind=kind,
         period=period,
         default_step=_number(getattr(md.defaultExperiment, "stepSize", None)),
@@ -282,11 +287,6 @@ def refuse_other_fmi(path: Path, root: Any) -> None:
             f"{path}: is FMI {version}, which is not supported; ask for an export as "
             f"FMI 2.0 or 3.0"
         )
-
-
-def _clock(variables: list[Any]) -> int | None:
-    clocks = [v for v in variables if v.type == "Clock" and v.causality == "input"]
-    return int(clocks[0].valueReference) if len(clocks) == 1 else None
 
 
 def _only_xml(text: bytes) -> bytes:

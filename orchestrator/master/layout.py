@@ -148,7 +148,8 @@ class Wiring:
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
     """Return how a component is treated: as the scenario, else the FMU says."""
-    return component.kind or fmu.kind or "continuous"
+    said = component.kind or fmu.kind
+    return said or ("continuous" if fmu.clock is None else "sampled")
 
 
 class Layout:

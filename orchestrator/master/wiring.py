@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
+from orchestrator.fmu.clocks import unticked
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, connection, ports
 from orchestrator.fmu.typed import held
@@ -184,6 +185,15 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
         raise WiringError(
             f"{where}: {fmu.path.name} is neither for co-simulation nor for model "
             f"exchange; export it for one of these"
+        )
+    if fmu.clock is None and (why := unticked(fmu.clocks)):
+        raise WiringError(
+            f"{where}: {fmu.path.name} {why}: what depends on it would never be "
+            f"computed; export it without clocks"
+        )
+    if fmu.clock is not None and c.kind == "continuous":
+        raise WiringError(
+            f"{where}.kind: {fmu.path.name} is sampled by its clock, not continuous"
         )
     if c.kind and fmu.kind and c.kind != fmu.kind:
         raise WiringError(f"{where}.kind: {fmu.path.name} is {fmu.kind}, not {c.kind}")

@@ -14,6 +14,7 @@ from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.master.faults import describe
+from orchestrator.master.layout import kind_of
 from orchestrator.master.undriven import in_words
 from orchestrator.quantities.quantity import rate
 from orchestrator.system import Component
@@ -120,7 +121,7 @@ def computed(run: "Run", label: str) -> str:
         [
             escape(c.name),
             f"<code>{escape(composition.sources[c.name])}</code>",
-            c.kind or composition.fmus[c.name].kind or "continuous",
+            kind_of(c, composition.fmus[c.name]),
             rate(c.period) + (f", offset {c.offset} s" if c.offset else ""),
             f"{c.latency} sample{'s' * (c.latency != 1)}" if c.latency else "",
             "<br>".join(

@@ -11,7 +11,7 @@ from orchestrator.quantities.quantity import parse_bytes, parse_period, parse_ti
 from orchestrator.scenario.maps import MapSpec
 from orchestrator.scenario.written import parse_setting
 from orchestrator.signals.recording import AtEnd, Interpolation
-from orchestrator.system import Kind, Value
+from orchestrator.system import Interface, Kind, Value
 
 Time: TypeAlias = Annotated[Fraction, PlainValidator(parse_time)]
 Period: TypeAlias = Annotated[Fraction, PlainValidator(named_period)]
@@ -51,6 +51,7 @@ class ComponentSpec(Strict):
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
     experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)
     split: bool | None = None
+    interface: Interface | None = None
 
     @field_validator("map", mode="before")
     @classmethod

@@ -132,6 +132,7 @@ def component_of(
         ),
         experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
         split=spec.split,
+        interface=spec.interface,
     )
     fmu = read_fmu(found.path)
     parameters = in_own_units(component, fmu, "parameters", spec.parameters)

@@ -116,6 +116,8 @@ def _component(component: Component) -> dict[str, Any]:
         written.setdefault("experiment", {})["tolerance"] = experiment.tolerance
     if component.split is not None:
         written["split"] = component.split
+    if component.interface == "model_exchange":
+        written["interface"] = component.interface
     return {key: value for key, value in written.items() if value != {}}
 
 

@@ -15,11 +15,14 @@ URIS = " ".join(
 )
 
 
-def ssd(system: str, rest: str = "", version: str = "1.0", name: str = "plant") -> str:
+VERSION = ["1.0"]  # of SSP, in which all is written
+
+
+def ssd(system: str, rest: str = "", name: str = "plant") -> str:
     """Return a description around the content of its system."""
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><ssd:SystemStructureDescription {URIS} '
-        f'version="{version}" name="{name}"><ssd:System name="root">{system}'
+        f'version="{VERSION[-1]}" name="{name}"><ssd:System name="root">{system}'
         f"</ssd:System>{rest}</ssd:SystemStructureDescription>"
     )
 
@@ -92,7 +95,8 @@ def mapped(*entries: str) -> str:
         about = f'source="{source}" target="{target}"'
         lines.append(f"<ssm:MappingEntry {about}>{inside}</ssm:MappingEntry>")
     whole = "".join(lines)
-    return f'<ssm:ParameterMapping {URIS} version="1.0">{whole}</ssm:ParameterMapping>'
+    head = f'<ssm:ParameterMapping {URIS} version="{VERSION[-1]}">'
+    return f"{head}{whole}</ssm:ParameterMapping>"
 
 
 def unit(name: str, about: str, kind: str = "ssd") -> str:
@@ -113,7 +117,7 @@ def parameter_set(*values: str) -> str:
             f'<ssv:Parameter name="{name}"><ssv:{kind} {about}/></ssv:Parameter>'
         )
     return (
-        f'<ssv:ParameterSet {URIS} version="1.0" name="set"><ssv:Parameters>'
+        f'<ssv:ParameterSet {URIS} version="{VERSION[-1]}" name="set"><ssv:Parameters>'
         f"{''.join(lines)}</ssv:Parameters></ssv:ParameterSet>"
     )
 

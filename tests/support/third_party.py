@@ -57,7 +57,7 @@ def qfmu(folder: Path, name: str, kind: str, **options: float | str) -> Path:
     )
     if python is None or shutil.which("gcc") is None:
         pytest.skip("qfmu needs Python 3.11 or older, and gcc")
-    place = _installed("qfmu==0.2.9", python)
+    place = installed("qfmu==0.2.9", python)
     target = folder / f"{name}.fmu"
     given = [word for key, value in options.items() for word in (f"-{key}", str(value))]
     done = subprocess.run(
@@ -72,7 +72,7 @@ def qfmu(folder: Path, name: str, kind: str, **options: float | str) -> Path:
     return target
 
 
-def _installed(requirement: str, python: str) -> Path:
+def installed(requirement: str, python: str) -> Path:
     """Install a package into a folder of its own, once."""
     place = KEPT / f"{requirement.replace('==', '-')}-installed"
     if not place.is_dir():

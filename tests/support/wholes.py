@@ -14,6 +14,32 @@ from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
 
+SMALL = Path(__file__).parents[1] / "fmus" / "small_models"
+THREE_RATES = f"""
+stop = "1/10"
+[components.tone]
+fmu = "controllers.references.sine"
+step = "1 kHz"
+offset = "1/3000"
+latency = 2
+parameters = {{ frequency_hz = 20 }}
+map = {{ x_r = {{ name = "x_r", gain = 300, offset = 0.1, unit = "V" }} }}
+[components.late]
+fmu = "{SMALL / "late.py"}"
+step = "1/4000"
+[components.pi]
+fmu = "{SMALL / "pi.py"}"
+step = "1/1500"
+map = {{ y = {{ name = "y", gain = 2, unit = "V" }} }}
+[connections]
+"late.u" = "tone.x_r"
+"pi.y" = "late.y"
+[record]
+"late.y" = "1/12000"
+"pi.u" = "1/12000"
+"tone.x_r" = "1/12000"
+"""
+
 
 class Slave:
     """An FMU in FMPy, its numbers by name; ``step`` as any master steps it."""

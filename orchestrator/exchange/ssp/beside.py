@@ -24,7 +24,11 @@ KEPT = "imported.ssp"
 
 
 def write_beside(
-    path: Path, folder: Path, variant: str | None = None, overrides: Sequence[str] = ()
+    path: Path,
+    folder: Path,
+    variant: str | None = None,
+    overrides: Sequence[str] = (),
+    ssv: Sequence[str] = (),
 ) -> Path:
     """Write a package's scenario and FMUs into a folder; return the scenario's file.
 
@@ -33,7 +37,7 @@ def write_beside(
     """
     import tomli_w
 
-    tables = read_package(path, variant)
+    tables = read_package(path, variant, ssv=ssv)
     raw = checked(tables, path, overrides)
     for text in overrides:
         apply_override(raw, text)
@@ -47,7 +51,7 @@ def write_beside(
         shutil.copyfile(source, target)
         component["fmu"] = f"{FMUS}/{name}.fmu"
     scenario = scenario_from(raw, file)  # what cannot be read back is not written
-    if is_zipfile(path):
+    if is_zipfile(path) and not ssv:
         shutil.copyfile(path, folder / KEPT)
         told = {
             name: digest(folder / FMUS / f"{name}.fmu")

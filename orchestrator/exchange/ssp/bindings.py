@@ -64,9 +64,7 @@ class Bindings:
         if found is None:
             self.notes.append(f"{where}: a binding without parameters")
             return None
-        units = {**unit_definitions(self.document), **unit_definitions(found)}
-        prefix = element.get("prefix", "")
-        given = tuple(self.given(one, prefix, units) for one in _parameters(found))
+        given = self.all_given(found, element.get("prefix", ""))
         of_map = element.find("ssd:ParameterMapping", NAMESPACES)
         if of_map is None:
             return Binding(where, given)
@@ -76,6 +74,24 @@ class Bindings:
             return Binding(where, given)
         entries = tuple(self.entries(mapping, where))
         return Binding(where, given, entries)
+
+    def of_file(self, file: Path, where: str) -> Binding:
+        """Return a parameter set that somebody names beside the description.
+
+        Raises:
+            ScenarioError: it is none.
+        """
+        try:
+            document = parse(file)
+        except OSError as error:
+            raise ScenarioError(f"{where}: cannot be read ({error.strerror})") from None
+        if local(document) != "ParameterSet":
+            raise ScenarioError(f"{where}: is no ParameterSet but {local(document)!r}")
+        return Binding(where, self.all_given(document, ""))
+
+    def all_given(self, document: Any, prefix: str) -> tuple[Given, ...]:
+        units = {**unit_definitions(self.document), **unit_definitions(document)}
+        return tuple(self.given(one, prefix, units) for one in _parameters(document))
 
     def content(
         self, element: Any, held: Any, wanted: str, fmu: Path | None

@@ -8,7 +8,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from orchestrator.errors import ScenarioError
+from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.exchange.ssp.bindings import parse
 from orchestrator.exchange.ssp.package import description, inside, unpack
 from orchestrator.exchange.ssp.read import read_structure
@@ -22,11 +22,16 @@ _NUMBERS = count()
 
 
 def read_package(
-    path: str | Path, variant: str | None = None, folder: Path | None = None
+    path: str | Path,
+    variant: str | None = None,
+    folder: Path | None = None,
+    ssv: Sequence[str] = (),
 ) -> Tables:
     """Return the scenario's tables of a package, and what is to be said of it.
 
     An archive is unpacked into ``folder`` (default: one that ends with the process).
+    ``ssv`` names parameter sets that are bound to the whole system: files, or those of
+    the package.
 
     Raises:
         ScenarioError: it is no package, or its description is none.
@@ -36,11 +41,26 @@ def read_package(
     place.mkdir(parents=True, exist_ok=True)
     root = unpack(path, place)
     file = description(path, root, variant)
-    structure = read_structure(file, root, _workspace() / str(next(_NUMBERS)))
+    sets = [_parameter_set(name, root) for name in ssv]
+    structure = read_structure(file, root, _workspace() / str(next(_NUMBERS)), sets)
     rest: Mapping[str, Any] = {}
     if structure.timing is not None:
         rest = read_toml(inside(root, file.parent, structure.timing.scenario))
     return Tables(structure, rest)
+
+
+def _parameter_set(name: str, root: Path) -> Path:
+    """Return a parameter set by its path, or by its name in the package."""
+    if (file := Path(name)).is_file():
+        return file
+    known = {f.name: f for f in sorted(root.rglob("*.ssv"))}
+    for inside_package in (name, f"{name}.ssv"):
+        if inside_package in known:
+            return known[inside_package]
+    raise ScenarioError(
+        f"--ssv {name}: there is no such file, and none in the package; "
+        f"{did_you_mean(name, known)}"
+    )
 
 
 def load_package(
@@ -48,13 +68,14 @@ def load_package(
     overrides: Sequence[str] = (),
     swaps: Swaps | None = None,
     variant: str | None = None,
+    ssv: Sequence[str] = (),
 ) -> Scenario:
     """Return the scenario of a package, which can be run as any other.
 
     Raises:
         ScenarioError: something of it cannot be run, or a time is said by nobody.
     """
-    tables = read_package(path, variant)
+    tables = read_package(path, variant, ssv=ssv)
     raw = checked(tables, Path(path), overrides)
     file = Path(path).resolve().parent / f"{Path(path).stem}.toml"
     return scenario_from(raw, file, overrides, swaps)

@@ -2,16 +2,33 @@
 
 A package is an ``.ssp`` archive, a folder that holds ``.ssd`` files, or one ``.ssd``.
 An archive is unpacked into a folder of the caller's.  A source is opened only inside
-the folder of its description.
+the folder of its description, or, ``sources_anywhere``, among the files of this
+computer; nothing is ever fetched.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+from urllib.request import url2pathname
 from zipfile import ZipFile
 
 from orchestrator.errors import FmuError, ScenarioError, did_you_mean
 from orchestrator.exchange.ssp.xml import DEFAULT
 from orchestrator.fmu.archive import DAMAGE, checked_members
+
+_ANYWHERE: ContextVar[bool] = ContextVar("anywhere", default=False)
+
+
+@contextmanager
+def sources_anywhere(wanted: bool) -> Iterator[None]:
+    """Open in this block sources outside of packages as well."""
+    token = _ANYWHERE.set(wanted)
+    try:
+        yield
+    finally:
+        _ANYWHERE.reset(token)
 
 
 def is_package(name: str | Path) -> bool:
@@ -86,16 +103,21 @@ def inside(root: Path, base: Path, source: str) -> Path:
         ScenarioError: it lies outside the package, or is not there.
     """
     parts = urlsplit(source)
-    written = unquote(parts.path)
-    outside = bool(parts.scheme or parts.netloc) or Path(written).is_absolute()
-    file = base / written
-    if not outside:
-        outside = not file.resolve().is_relative_to(root.resolve())
-    if outside:
+    is_file = parts.scheme == "file" and parts.netloc in ("", "localhost")
+    if (parts.scheme or parts.netloc) and not is_file:
+        raise ScenarioError(
+            f"source {source!r} lies outside the package, and nothing is fetched; put "
+            f"the file into the package and name it by a relative path"
+        )
+    file = base / (url2pathname(parts.path) if is_file else unquote(parts.path))
+    outside = is_file or not file.resolve().is_relative_to(root.resolve())
+    if outside and not _ANYWHERE.get():
         raise ScenarioError(
             f"source {source!r} lies outside the package, where nothing is opened "
-            f"unasked; put the file into the package and name it by a relative path"
+            f"unasked; look at it and give --trust, or put the file into the package "
+            f"and name it by a relative path"
         )
     if not file.is_file():
-        raise ScenarioError(f"source {source!r}: there is no such file in the package")
+        where = "" if outside else " in the package"
+        raise ScenarioError(f"source {source!r}: there is no such file{where}")
     return file

@@ -4,6 +4,8 @@ What cannot be run is collected and named at once; only a file that is no such
 document ends the reading.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from zipfile import is_zipfile
@@ -40,15 +42,19 @@ _STEPS = {  # elements of annotations that say a step, and the attribute that do
 _DEEPEST = 32  # systems inside one another
 
 
-def read_structure(file: Path, root: Path, unpacked: Path) -> Structure:
+def read_structure(
+    file: Path, root: Path, unpacked: Path, ssv: Sequence[Path] = ()
+) -> Structure:
     """Return what a description says; ``root`` is the folder of its package.
 
-    ``unpacked`` takes packages that lie inside this one.
+    ``unpacked`` takes packages that lie inside this one.  ``ssv`` are parameter sets
+    that are bound to the whole system, after its own.
 
     Raises:
-        ScenarioError: the file is no system structure description.
+        ScenarioError: the file is no system structure description, or one of the
+            parameter sets is none.
     """
-    return _Reader(file, root, unpacked, ()).structure()
+    return _Reader(file, root, unpacked, ()).structure(ssv)
 
 
 class _Reader:
@@ -69,7 +75,7 @@ class _Reader:
         self.bindings = Bindings(file, root, self.document, self.faults, self.notes)
         self.ids = {e.get("id"): e for e in self.document.iter() if e.get("id")}
 
-    def structure(self) -> Structure:
+    def structure(self, ssv: Sequence[Path]) -> Structure:
         of_system = self.document.find("ssd:System", NAMESPACES)
         if of_system is None:
             raise ScenarioError(f"{self.file.name}: holds no System")
@@ -77,6 +83,8 @@ class _Reader:
         told = {} if experiment is None else dict(experiment.attrib)
         step = None if experiment is None else self._step(experiment)
         system = self.system(of_system, (), step)
+        bound = tuple(self.bindings.of_file(one, f"--ssv {one.name}") for one in ssv)
+        system = replace(system, bindings=(*system.bindings, *bound))
         return Structure(
             self.document.get("name") or self.file.stem,
             self.document.get("version", ""),

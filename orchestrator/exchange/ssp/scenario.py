@@ -102,11 +102,6 @@ class Tables:
             self.faults.append(
                 f"{where}: is to be run by {wanted}, and {file.name} has {has}"
             )
-        elif wanted == "ModelExchange" and len(there) == 2:
-            self.faults.append(
-                f"{where}: is to be run by ModelExchange, and of {file.name}, which "
-                f"has both, co-simulation would be run; set implementation to any"
-            )
         part = self.flat.parts[path]
         for name, connector in part.connectors.items():
             if name not in fmu.variables and connector.kind != "inout":
@@ -229,6 +224,9 @@ class Tables:
             step = "step"
             self.lacking.setdefault("rates.step", self._proposal())
         made["step"] = step
+        of_fmu = self.fmus.get(path)
+        if part.implementation == "ModelExchange" and of_fmu and of_fmu.co_simulation:
+            made["interface"] = "model_exchange"
         for key in ("offset", "kind"):
             if told.get(key, "0") != "0":
                 made[key] = told[key]

@@ -24,6 +24,7 @@ from typing import Any, cast, get_args
 from fmus.archive import write_archive
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.beside import kept
+from orchestrator.exchange.ssp.platforms import fmu_for
 from orchestrator.exchange.ssp.values import (
     connector_type,
     entries,
@@ -53,15 +54,21 @@ from orchestrator.scenario.lock import locked
 from orchestrator.system import Component, System, split_name
 
 REST = "resources/feeddrive.toml"
-_IN_SSD = ("fmu", "step", "offset", "latency", "kind", "split", "parameters", "start")
+_IN_SSD = (
+    *("fmu", "step", "offset", "latency", "kind", "split", "interface"),
+    *("parameters", "start"),
+)
 _OF_REST = ("title", "description", "faults", "record", "metrics", "expect")
 _NANO = Fraction(1, 10**9)
 
 
 def export_ssp(
-    composition: Composition, target: Path, version: str | None = None
+    composition: Composition,
+    target: Path,
+    version: str | None = None,
+    platforms: Sequence[str] = (),
 ) -> Path:
-    """Write a composition into an ``.ssp`` file.
+    """Write a composition into an ``.ssp`` file, its FMUs for some platforms.
 
     Without a version one that was imported and is unchanged is written as it was,
     any other as 1.0.
@@ -71,18 +78,20 @@ def export_ssp(
         WiringError: its parts do not fit together.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    same = kept(composition) if version is None else None
+    same = kept(composition) if version is None and not platforms else None
     if same is not None:
         target.write_bytes(same.read_bytes())
         return target
-    return write_archive(target, members(composition, version or "1.0"))
+    return write_archive(target, members(composition, version or "1.0", platforms))
 
 
-def members(composition: Composition, version: str = "1.0") -> dict[str, bytes]:
+def members(
+    composition: Composition, version: str = "1.0", platforms: Sequence[str] = ()
+) -> dict[str, bytes]:
     """Return the files of the package by name."""
     if version not in get_args(Version):
         raise ScenarioError(f"--ssp {version}: there are 1.0 and 2.0")
-    return _Package(composition, cast(Version, version)).members()
+    return _Package(composition, cast(Version, version)).members(platforms)
 
 
 class _Package:
@@ -102,10 +111,11 @@ class _Package:
                 f"--ssp 2.0, or --fmi 2 where it is a model of ours"
             )
 
-    def members(self) -> dict[str, bytes]:
+    def members(self, platforms: Sequence[str]) -> dict[str, bytes]:
         found = {DEFAULT: document(self._structure())}
         for name, component in self.system.components.items():
-            found[f"resources/{name}.fmu"] = component.fmu.read_bytes()
+            file = fmu_for(self.composition, name, platforms)
+            found[f"resources/{name}.fmu"] = file.read_bytes()
             values = entries(component, self.fmus[name])
             if not values:
                 continue

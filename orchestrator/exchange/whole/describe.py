@@ -22,6 +22,7 @@ class Told:
     """What the description says; references count through ``outside``.
 
     ``size`` is the reference of time, of the clock the next; ``clock`` its period (s).
+    ``states``: FMU states can be got and set.
     """
 
     composition: Composition
@@ -29,6 +30,7 @@ class Told:
     outside: Sequence[Outside]
     size: int
     clock: Fraction | None
+    states: bool
 
 
 def describe(told: Told, fmi: Fmi, token: str) -> bytes:
@@ -54,8 +56,8 @@ def describe(told: Told, fmi: Fmi, token: str) -> bytes:
     state = "FMUstate" if fmi == 2 else "FMUState"
     interface = {
         "modelIdentifier": told.identifier,
-        f"canGetAndSet{state}": "true",
-        f"canSerialize{state}": "true",
+        f"canGetAndSet{state}": str(told.states).lower(),
+        f"canSerialize{state}": str(told.states).lower(),
         "canHandleVariableCommunicationStepSize": "true",
     }
     if fmi == 2:

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 from orchestrator.errors import ScenarioError, did_you_mean
+from orchestrator.exchange.whole.foreign import WholeSource
 from orchestrator.exchange.whole.tables import Outside, Starts
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.ports import Affine, ports
 from orchestrator.master.fused.own import Own
-from orchestrator.master.fused.source import Source
 from orchestrator.master.layout import Part, kind_of
 from orchestrator.system import split_name
 
@@ -20,7 +20,9 @@ class Ends:
         ScenarioError: there is no such input.
     """
 
-    def __init__(self, source: Source, starts: Starts, inputs: Sequence[str]) -> None:
+    def __init__(
+        self, source: WholeSource, starts: Starts, inputs: Sequence[str]
+    ) -> None:
         self._source, self._starts, self._inputs = source, starts, inputs
         self._parts = source.wiring.parts
 
@@ -28,6 +30,7 @@ class Ends:
         """Return all variables in the order of their references."""
         return [
             *self._of_components("parameter"),
+            *(p for one in self._source.foreign.values() for p in one.parameters()),
             *(self._input(name) for name in self._inputs),
             *self._outputs(),
             *self._of_components("local"),
@@ -92,11 +95,15 @@ class Ends:
             if late
             else "acts from the step it is set"
         )
-        place = port.variable.reference + port.element
+        number = self._source.parts.index(component)
+        if component in self._source.foreign:
+            place = self._source.foreign[component].slot(port.variable.name)
+        else:
+            place = port.variable.reference + port.element
         return Outside(
             full,
             "input",
-            f"values_{self._source.own[component].index}[{place}]",
+            f"values_{number}[{place}]",
             port.to_theirs,
             port.unit,
             port.variable.sort == "boolean",

@@ -10,8 +10,9 @@ one an outer step later: its tick at the end of a step sees what was set before 
 step.  The description says of each input which it is.  In event mode (FMI 3) sampled
 components wait for the clock at the end of a step, and nothing is late.
 
-Refused in words: components that are not ours (they cannot be compiled in),
-injections, whole numbers of 64 bits.
+FMUs of others are carried along in ``resources`` and called, without FMU states.
+Refused in words: those that are sampled, for model exchange or to be isolated, Python
+FMUs, whole numbers of 64 bits.
 """
 
 from collections.abc import Sequence
@@ -32,27 +33,29 @@ from fmus.documentation import license_text
 from fmus.native_source import MODEL_DATA, adapter_sources
 from fmus.package import binaries
 from fmus.subject import Fmi
+from fmus.trust import is_trusted
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.exchange.whole.describe import Told, describe, page
 from orchestrator.exchange.whole.ends import Ends
+from orchestrator.exchange.whole.foreign import WholeSource, carried, foreign_parts
 from orchestrator.exchange.whole.model import model_table
 from orchestrator.exchange.whole.tables import Halves, Tables, base_values
 from orchestrator.master.fused.executor import fusible
 from orchestrator.master.fused.library import FAULTS, HEADERS
-from orchestrator.master.fused.source import Source
 from orchestrator.master.layout import kind_of
 from orchestrator.master.schedule import Stretch, rational_gcd
 from orchestrator.master.simulate import plan
 from orchestrator.master.timetable import Program, Timetable
 from orchestrator.scenario.compose import Composition
-from orchestrator.system import System, split_name
+from orchestrator.system import Injection, System, split_name
 
 NATIVE = Path(__file__).with_name("native")
-REPLACED = ("simulation.c", "all.c")  # of the adapters
+ADAPTER = ("simulation.c", "all.c")  # what the adapters have otherwise
 FAR = Fraction(10**6)  # s, behind which the pattern of the rates repeats in any case
 MOST_INSTANTS = 100_000  # stored as a table
 BEFORE_TICKS = ("advance", "read", "copy", "fault")
 QUIET = """\
+#define _GNU_SOURCE /* dladdr, where FMUs of others are inside */
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-but-set-variable"
 #pragma GCC diagnostic ignored "-Wmacro-redefined"
@@ -77,6 +80,7 @@ def export_whole(
     """
     system = _endless(composition, inputs, outputs)
     timetable = plan(system)
+    timetable = Timetable(replace(timetable.wiring, injected=()))
     whole = _Whole(composition, timetable, inputs)
     contents = whole.contents(fmi, tuple(platforms) or (host_platform(),))
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -103,10 +107,17 @@ def _endless(
                 f"--outputs {name}: no component {component!r}; {remedy}"
             )
         record[name] = (system.components[component].period,)
+    # an input of a foreign FMU gets a place, as if something were added to it
+    free = {
+        name: Injection((0.0,))
+        for name in inputs
+        if (of := system.components.get(split_name(name)[0])) and not is_trusted(of.fmu)
+    }
     periods = [c.period for c in system.components.values()]
     scale = lcm(*(p.denominator for p in periods))
     length = Fraction(lcm(*(int(p * scale) for p in periods)), scale)
-    return replace(system, record=record, stop=-(-FAR // length) * length)
+    stop = -(-FAR // length) * length
+    return replace(system, record=record, stop=stop, injections=free)
 
 
 class _Whole:
@@ -116,28 +127,32 @@ class _Whole:
         self.composition, self.timetable = composition, timetable
         wiring = timetable.wiring
         found, whys = fusible(wiring.parts)
-        if whys:
-            told = "; ".join(f"{name} {why}" for name, why in whys.items())
-            raise ScenarioError(
-                f"only components of ours can be compiled into one FMU: {told}"
-            )
-        source = Source(timetable, found, {})
+        ends: dict[str, set[str]] = {}
+        for name in inputs:
+            ends.setdefault(split_name(name)[0], set()).add(split_name(name)[1])
+        source = WholeSource(timetable, found, {})
+        source.foreign = foreign_parts(timetable, whys, ends)
+        self.foreign = source.foreign
         stretches = _for_ever(timetable)
         source.programs.clear()
         for stretch in stretches:
             for program in (half for halves in stretch.entries for half in halves):
                 source.programs.setdefault(program, len(source.programs))
         starts = {n: base_values(own) for n, own in source.own.items()}
+        starts |= {n: one.starts() for n, one in source.foreign.items()}
         outside = Ends(source, starts, inputs).outside()
         self.tables = Tables(source, stretches, starts, outside)
 
     def contents(self, fmi: Fmi, platforms: Sequence[str]) -> dict[str, bytes]:
         """Return the files of the FMU by name."""
         adapters = adapter_sources()
-        adapters = {n: text for n, text in adapters.items() if n not in REPLACED}
+        without = "snapshot.c" if self.foreign else "snapshot_absent.c"
+        taken = {n for n in adapters if n not in (*ADAPTER, without)}
+        adapters = {n: adapters[n] for n in sorted(taken)}
         text = "\n".join([QUIET, self.tables.source.text(), self.tables.text()])
         own = {file.name: file for file in (*HEADERS.glob("*.h"), FAULTS)}
-        own |= {file.name: file for file in NATIVE.glob("*.[ch]")}
+        native = NATIVE.glob("*.[ch]")
+        own |= {file.name: file for file in native if file.name != without}
         sources = {name: own[name].read_text(encoding="utf-8") for name in sorted(own)}
         described = [describe(self._told(), version, "") for version in (2, 3)]
         whole = sha256(b"".join(described) + text.encode())
@@ -153,9 +168,10 @@ class _Whole:
             f"documentation/{licences}": license_text(),
             EXTRA: self._kind(fmi),
         }
+        found |= carried(self.foreign, platforms)
         place = cache_folder() / "whole"
         parts = (self.identifier, sources, fmi, platforms, place, adapters)
-        return found | binaries(*parts)
+        return found | binaries(*parts, ("dl",) if self.foreign else ())
 
     @property
     def identifier(self) -> str:
@@ -177,7 +193,7 @@ class _Whole:
     def _told(self) -> Told:
         size = len(self.tables.outside) + len(self.tables.source.parts) + 2
         parts = (self.composition, self.identifier, self.tables.outside, size)
-        return Told(*parts, self.clock)
+        return Told(*parts, self.clock, not self.foreign)
 
     def _kind(self, fmi: Fmi) -> bytes:
         """Return what our own master reads, and the standard has no attribute for."""

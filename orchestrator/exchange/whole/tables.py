@@ -93,6 +93,8 @@ class Tables:
             yield f"    V values_{i}[{size}], held_{i}[{max(1, latency)}];"
             if equations.delays:
                 yield f"    Line lines_{i}[{len(equations.delays)}];"
+        for name, i in self._foreign():
+            yield f"    V values_{i}[{max(1, len(self.starts[name]))}];"
         for own, j, _, room in self.delays():
             yield f"    V changes_{own.index}_{j}[{room}];"
             yield f"    double times_{own.index}_{j}[{room}];"
@@ -111,8 +113,11 @@ class Tables:
             line = f"lines_{own.index}[{j}]"
             pointers[f"{line}.values"] = f"m->changes_{own.index}_{j}"
             pointers[f"{line}.times"] = f"m->times_{own.index}_{j}"
+        for _, i in self._foreign():
+            pointers[f"parts[{i}].values"] = f"m->values_{i}"
         pointers |= faults_bound(self.source.wiring)
-        yield "static void bind_memory(Memory *m) {"
+        pointers["e.kernel"] = "loaded"
+        yield "static void bind_memory(Memory *m, void *loaded) {"
         yield from (f"    m->{name} = {to};" for name, to in pointers.items())
         yield "}"
         yield "static void unbind_memory(Memory *m) {"
@@ -121,17 +126,18 @@ class Tables:
 
     def _started(self) -> Iterator[str]:
         source, tick = self.source, self.source.timetable.schedule.tick
-        for own in source.own.values():
-            numbers = _doubles(self.starts[own.part.name])
-            yield f"static const double start_{own.index}[] = {{{numbers}}};"
+        started = [(name, own.index) for name, own in source.own.items()]
+        started += [(n, i) for n, i in self._foreign() if len(self.starts[n])]
+        for name, i in started:
+            numbers = _doubles(self.starts[name])
+            yield f"static const double start_{i}[] = {{{numbers}}};"
         yield f"const int64_t whole_tick_num = {tick.numerator};"
         yield f"const int64_t whole_tick_den = {tick.denominator};"
         yield "static void start_values(Memory *m) {"
         yield "    m->e.tick_num = whole_tick_num;"
         yield "    m->e.tick_den = whole_tick_den;"
         yield "    m->e.alive = 1;"
-        for own in source.own.values():
-            i = own.index
+        for _, i in started:
             yield f"    memcpy(m->values_{i}, start_{i}, sizeof start_{i});"
         for own, j, _, room in self.delays():
             yield f"    m->lines_{own.index}[{j}].capacity = {room};"
@@ -190,6 +196,11 @@ class Tables:
         yield f"    {', '.join(lines or ['{1, 0}'])}"
         yield "};"
         yield f"enum {{ SHORTEST = {SHORTEST}, LONGEST_LINE = {LONGEST_LINE} }};"
+
+    def _foreign(self) -> list[tuple[str, int]]:
+        """Return the components that are not compiled in, with their numbers."""
+        parts = enumerate(self.source.parts)
+        return [(name, i) for i, name in parts if name not in self.source.own]
 
     def first(self, role: str) -> int:
         """Return the first reference of a role, or the end of what is before it."""

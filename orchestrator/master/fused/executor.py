@@ -174,6 +174,8 @@ def fusible(
 
 
 def _unfit(part: Part) -> str | None:
+    if not part.fmu.co_simulation:
+        return "is integrated by model exchange"
     driven = next((v for v in part.inputs if v.causality != "input"), None)
     if driven is not None:
         return f"has its {driven.causality} {driven.name} driven by a connection"

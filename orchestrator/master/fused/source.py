@@ -237,47 +237,70 @@ class Source:
         yield "static int sweep(Engine *e) {"
         yield "    V *const z = e->vector;"
         for name in order:
-            own = self.own[name]
-            kept = [c for c in own.part.copies if c.sink not in opened]
-            lines = [*written(own), f"{own.function}_refresh({own.instance});"]
-            lines += [*values_read(own), *published(own), *self._copied(kept)]
+            copies = self.wiring.parts[name].copies
+            kept = [c for c in copies if c.sink not in opened]
+            lines = [*self._evaluated(name), *self._copied(kept)]
             yield from (f"    {line}" for line in lines)
         yield "    return 1;"
         yield "}"
         yield "EXPORTED int engine_start(Engine *e) {"
         yield "    V *const z = e->vector;"
-        for own in self.own.values():
-            yield f"    {own.function}_derive(e->parts[{own.index}].values);"
-            for place, reference, _ in elements(own.part.inputs, own.part.first_input):
-                yield f"    z[{place}] = {own.value(reference)};"
+        for name in self.parts:
+            yield from (f"    {line}" for line in self._entered(name))
         yield from self._circles(opened)
-        for own in self.own.values():
-            yield from (f"    {line}" for line in written(own))
-            yield f"    {own.function}_refresh({own.instance});"
-            yield f"    {own.function}_begin({own.instance});"
-            y, x = own.equations["y"], own.equations["x"]
-            count = x + own.equations["n_x"] - y
-            found = f"wrong(&{own.value(y)}, {count})" if count else "(V)0.0"
-            yield f"    if (!go_on(e, {found}, {own.index}, 0)) return 0;"
-        for own in self.own.values():
-            lines = [*values_read(own), *published(own)]
-            lines += self._copied(own.part.copies)
+        for name in self.parts:
+            yield from (f"    {line}" for line in self._left(name))
+        for name in self.parts:
+            lines = [*self._told(name), *self._copied(self.wiring.parts[name].copies)]
             yield from (f"    {line}" for line in lines)
         yield "    settle(e);"
         yield "    return 1;"
         yield "}"
 
+    # what a component does there
+
+    def _entered(self, name: str) -> Iterator[str]:
+        """Write how it is brought into initialisation, and what its inputs are."""
+        own = self.own[name]
+        yield f"{own.function}_derive(e->parts[{own.index}].values);"
+        for place, reference, _ in elements(own.part.inputs, own.part.first_input):
+            yield f"z[{place}] = {own.value(reference)};"
+
+    def _evaluated(self, name: str) -> Iterator[str]:
+        """Write how its inputs become outputs while it is there."""
+        own = self.own[name]
+        yield from written(own)
+        yield f"{own.function}_refresh({own.instance});"
+        yield from self._told(name)
+
+    def _left(self, name: str) -> Iterator[str]:
+        """Write how it leaves initialisation."""
+        own = self.own[name]
+        yield from written(own)
+        yield f"{own.function}_refresh({own.instance});"
+        yield f"{own.function}_begin({own.instance});"
+        y, x = own.equations["y"], own.equations["x"]
+        count = x + own.equations["n_x"] - y
+        found = f"wrong(&{own.value(y)}, {count})" if count else "(V)0.0"
+        yield f"if (!go_on(e, {found}, {own.index}, 0)) return 0;"
+
+    def _told(self, name: str) -> Iterator[str]:
+        """Write how its outputs are read and published."""
+        own = self.own[name]
+        yield from values_read(own)
+        yield from published(own)
+
     def _circles(self, opened: Mapping[int, Copy]) -> Iterator[str]:
         """Write the sweeps: one, or until what was opened stands still in all lanes."""
         if not opened:
-            yield "    sweep(e);"
+            yield "    if (!sweep(e)) return 0;"
             return
         n = len(opened)
         yield "    for (int round = 0, unlike = 1; unlike; round++) {"
         yield f"        V before[{n}];"
         for i, place in enumerate(opened):
             yield f"        before[{i}] = z[{place}];"
-        yield "        sweep(e);"
+        yield "        if (!sweep(e)) return 0;"
         yield from (f"        {line}" for line in self._copied(opened.values()))
         yield "        V moved = (V)0.0;"
         for i, place in enumerate(opened):

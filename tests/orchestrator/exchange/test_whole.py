@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wholes import Slave, composed, exported
+from wholes import THREE_RATES, Slave, composed, exported
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
@@ -16,31 +16,6 @@ from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
 MODELS = Path(__file__).parents[1] / "models"
-SMALL = Path(__file__).parents[2] / "fmus" / "small_models"
-THREE_RATES = f"""
-stop = "1/10"
-[components.tone]
-fmu = "controllers.references.sine"
-step = "1 kHz"
-offset = "1/3000"
-latency = 2
-parameters = {{ frequency_hz = 20 }}
-map = {{ x_r = {{ name = "x_r", gain = 300, offset = 0.1, unit = "V" }} }}
-[components.late]
-fmu = "{SMALL / "late.py"}"
-step = "1/4000"
-[components.pi]
-fmu = "{SMALL / "pi.py"}"
-step = "1/1500"
-map = {{ y = {{ name = "y", gain = 2, unit = "V" }} }}
-[connections]
-"late.u" = "tone.x_r"
-"pi.y" = "late.y"
-[record]
-"late.y" = "1/12000"
-"pi.u" = "1/12000"
-"tone.x_r" = "1/12000"
-"""
 FAULTS = """
 [faults]
 "late.u" = [

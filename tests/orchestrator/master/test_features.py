@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from broken import ball, pack
+from clocked import clocked as clocked_by_others
 from foreign import foreign
 from outcomes import outcomes
 from systems import part, system
@@ -105,6 +106,13 @@ def twice() -> System:
     given = pair()
     rates = (Fraction(1, 1000), Fraction(1, 500))
     return replace(given, record={"b.seen": rates})
+
+
+def others_clock(tmp_path: Path) -> System:
+    file = clocked_by_others(tmp_path)
+    one = Component("c", file, Fraction(1, 1000), isolation=Isolation(process=False))
+    rows = {f"c.{name}": "1/1000" for name in "nywz"}
+    return system("1/100", [part("a", "counter", "1/1000"), one], {"c.u": "a.k"}, rows)
 
 
 def alien(tmp_path: Path) -> System:
@@ -254,6 +262,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "initial circle by substitution": lambda _: circle(0.5),
     "initial circle by Newton": lambda _: circle(2.0),
     "FMI 3 clock": lambda _: clocked(),
+    "FMI 3 clock of an FMU of others": others_clock,
     "step not split (split = false)": lambda _: unsplit(),
     "64-bit integers": words,
     "faults of 64-bit integers": faulty_words,

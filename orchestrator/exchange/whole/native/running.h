@@ -4,6 +4,25 @@ size_t whole_size(void) {
     return (sizeof(Memory) + sizeof(double) - 1) / sizeof(double);
 }
 
+#if N_FOREIGN
+size_t whole_loaded(void) {
+    return N_FOREIGN * sizeof(Loaded);
+}
+
+void whole_free(void *loaded) {
+    for (int i = 0; i < N_FOREIGN; i++)
+        foreign_free((Loaded *)loaded + i, foreign[i].major);
+}
+#else
+size_t whole_loaded(void) {
+    return 0;
+}
+
+void whole_free(void *loaded) {
+    (void)loaded;
+}
+#endif
+
 static double *place_of(Memory *m, const Outer *v) {
     return (double *)((char *)m + v->place);
 }
@@ -46,11 +65,11 @@ static int go_to(Memory *m, const double *values, int64_t tick, int last) {
     }
 }
 
-int whole_start(double *memory, const double *values) {
+int whole_start(double *memory, const double *values, void *loaded) {
     Memory *m = (Memory *)(void *)memory;
     int done;
     memset(m, 0, sizeof *m);
-    bind_memory(m);
+    bind_memory(m, loaded);
     start_values(m);
     take(m, values, 0, FIRST_OUTPUT);
     take(m, values, FIRST_STATE, FIRST_STATE + N_STATES);
@@ -59,20 +78,20 @@ int whole_start(double *memory, const double *values) {
     return done;
 }
 
-int whole_run(double *memory, const double *values, int64_t tick, int last) {
+int whole_run(double *memory, const double *values, void *loaded, int64_t tick, int last) {
     Memory *m = (Memory *)(void *)memory;
     int done;
-    bind_memory(m);
+    bind_memory(m, loaded);
     done = !m->e.failure && go_to(m, values, tick, last);
     unbind_memory(m);
     return done;
 }
 
-int whole_finish(double *memory, const double *values) {
+int whole_finish(double *memory, const double *values, void *loaded) {
     Memory *m = (Memory *)(void *)memory;
     const Stretch *here = stretches + m->stretch;
     int64_t k = here->first + m->repeat * here->length + here->offsets[m->entry];
-    return !m->open || whole_run(memory, values, k, WHOLE);
+    return !m->open || whole_run(memory, values, loaded, k, WHOLE);
 }
 
 void whole_read(const double *memory, double *values, int states) {

@@ -17,7 +17,8 @@ size_t simulation_values(void) {
 }
 
 size_t simulation_size(void) {
-    return simulation_values() + M.n_d * sizeof(double) + M.n_delays * sizeof(DelayLine);
+    return simulation_values() + M.n_d * sizeof(double) +
+           M.n_delays * sizeof(DelayLine) + whole_loaded();
 }
 
 static double *inside(const Simulation *s) {
@@ -28,10 +29,11 @@ void simulation_place(Simulation *s, void *memory) {
     s->values = (double *)memory;
     s->x = s->values + M.size + M.n_d; /* to try things out */
     s->lines = (DelayLine *)(void *)(s->x + M.n_d); /* empty: the loop has its own */
+    s->k = (double *)(void *)(s->lines + M.n_delays); /* FMUs of others */
 }
 
 void simulation_free(Simulation *s) {
-    (void)s;
+    whole_free(s->k);
 }
 
 int simulation_reserve(Simulation *s, unsigned i, double tau) {
@@ -59,18 +61,18 @@ void simulation_refresh(Simulation *s) {
     s->state.outputs_stale = s->state.derived_stale = 0;
     if (s->state.phase == EVENT) {
         trial = tried(s);
-        whole_finish(trial, s->values);
+        whole_finish(trial, s->values, s->k);
         whole_read(trial, s->values, 0);
-    } else if (whole_start(inside(s), s->values)) {
+    } else if (whole_start(inside(s), s->values, s->k)) {
         whole_read(inside(s), s->values, 0);
         trial = tried(s);
-        if (s->state.phase == INITIALIZING && !whole_run(trial, s->values, 0, WHOLE))
+        if (s->state.phase == INITIALIZING && !whole_run(trial, s->values, s->k, 0, WHOLE))
             memcpy(inside(s), trial, M.n_d * sizeof(double));
     }
 }
 
 void simulation_begin(Simulation *s) {
-    whole_run(inside(s), s->values, 0, s->clocked ? HALF : WHOLE);
+    whole_run(inside(s), s->values, s->k, 0, s->clocked ? HALF : WHOLE);
     whole_read(inside(s), s->values, 1);
 }
 
@@ -100,7 +102,7 @@ static int64_t target_of(State *state, double t, double h) {
 int simulation_step(Simulation *s, double t, double h) {
     int64_t target = target_of(&s->state, t, h);
     unsigned place;
-    int done = whole_run(inside(s), s->values, target, s->clocked ? HALF : WHOLE);
+    int done = whole_run(inside(s), s->values, s->k, target, s->clocked ? HALF : WHOLE);
     s->state.tick = target;
     s->values[M.size - 1] = t + h;
     whole_read(inside(s), s->values, 1);
@@ -113,7 +115,7 @@ void simulation_activate(Simulation *s, int active) {
 }
 
 void simulation_tick(Simulation *s) {
-    whole_finish(inside(s), s->values);
+    whole_finish(inside(s), s->values, s->k);
     whole_read(inside(s), s->values, 1);
     s->state.ticking = s->state.outputs_stale = 0;
 }

@@ -20,15 +20,20 @@ extern const int64_t whole_tick_num, whole_tick_den; /* s */
 /* Doubles of the memory. */
 size_t whole_size(void);
 
+/* Bytes for the FMUs of others inside, zeroed memory that stays where it is and is
+   handed over with every call; they are freed at last. */
+size_t whole_loaded(void);
+void whole_free(void *loaded);
+
 /* Initialise by the parameters, inputs and states among the values; then, and in what
    follows, 0 is returned if something fails. */
-int whole_start(double *memory, const double *values);
+int whole_start(double *memory, const double *values, void *loaded);
 
 /* Carry out what is due up to a tick, or only a half of what is due at it. */
-int whole_run(double *memory, const double *values, int64_t tick, int last);
+int whole_run(double *memory, const double *values, void *loaded, int64_t tick, int last);
 
 /* Finish an open half. */
-int whole_finish(double *memory, const double *values);
+int whole_finish(double *memory, const double *values, void *loaded);
 
 /* Read outputs, and states unless they are to stay as they were set. */
 void whole_read(const double *memory, double *values, int states);
