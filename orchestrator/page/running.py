@@ -38,6 +38,10 @@ class Running:
     pace: float | None = None
     aborted: Event = field(default_factory=Event)
 
+    def abort(self) -> None:
+        """End it at its next look; what was recorded stays."""
+        self.aborted.set()
+
     def run(self, told: Told) -> Run:
         """Run it into a folder of ``runs/``; tell how far it is now and then.
 

@@ -58,13 +58,13 @@ def application(
         return FileResponse(STATIC / "index.html")
 
     async def report(request: Request) -> Response:
+        """Answer with a page that a run or a verb wrote into the project."""
         try:
-            entry = await work.done(project.run, request.path_params["name"])
-            file = project.inside(f"runs/{entry.name}/report.html")
+            file = project.inside(request.path_params["name"])
         except ScenarioError as error:
             return Response(str(error), 404)
-        if not file.is_file():
-            return Response("this run has no report", 404)
+        if file.suffix != ".html" or not file.is_file():
+            return Response("there is no such page in this project", 404)
         return FileResponse(file)
 
     async def watch(asked: WebSocket) -> None:

@@ -1,8 +1,9 @@
 """One page that is open: what it draws, the runs it started.
 
-It says ``try`` (a position of a slider), ``run``, ``abort``, ``window`` (a zoom); each
-with an ``id``, under which the answer comes: a frame, or {"id", "error"}.  While a run
-goes on frames come with ``t`` and ``stop``.
+It says ``try`` (a position of a slider), ``run``, ``abort``, ``window`` (a zoom),
+``compare``, ``ask`` (a verb); each with an ``id``, under which the answer comes: a
+frame, or {"id", "error"}.  While a run goes on frames come with ``t`` and ``stop``,
+while a verb does its log, line by line.
 """
 
 import asyncio
@@ -17,10 +18,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from orchestrator.errors import ScenarioError
 from orchestrator.outcome import Run
 from orchestrator.page.compared import compared
-from orchestrator.page.curves import Board, board_of, figures
+from orchestrator.page.curves import Board, board_of, figures, finite
 from orchestrator.page.kept import Passing
 from orchestrator.page.project import Project
 from orchestrator.page.running import Running
+from orchestrator.page.verbs import Asking
 from orchestrator.page.work import Work, answer_of
 
 BOARDS = 8  # that can still be zoomed
@@ -33,7 +35,7 @@ class Session:
     def __init__(self, project: Project, work: Work, asked: WebSocket) -> None:
         self._project, self._work, self._asked = project, work, asked
         self._boards: OrderedDict[int, Board] = OrderedDict()
-        self._running: dict[int, Running] = {}
+        self._running: dict[int, Running | Asking] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def go_on(self) -> None:
@@ -45,6 +47,7 @@ class Session:
             "abort": self._abort,
             "window": self._window,
             "compare": self._compare,
+            "ask": self._ask,
         }
         self._start(self._watch())
         try:
@@ -57,7 +60,7 @@ class Session:
             await self._asked.close(1003, "not understood")
         finally:
             for running in self._running.values():
-                running.aborted.set()
+                running.abort()
             for task in self._tasks:
                 task.cancel()
 
@@ -135,9 +138,21 @@ class Session:
 
         await self._asked.send_bytes(await self._work.done(drawn))
 
+    async def _ask(self, number: int, said: Mapping[str, Any]) -> None:
+        asking = self._running[number] = Asking(self._project, said)
+
+        async def told(line: str) -> None:
+            await self._asked.send_json({"id": number, "live": True, "line": line})
+
+        try:
+            answer = await asking.done(told)
+            await self._asked.send_json({"id": number, **finite(answer)})
+        finally:
+            del self._running[number]
+
     async def _abort(self, number: int, said: Mapping[str, Any]) -> None:
         if running := self._running.get(int(said["run"])):
-            running.aborted.set()
+            running.abort()
 
     async def _window(self, number: int, said: Mapping[str, Any]) -> None:
         board = self._boards.get(int(said["board"]))

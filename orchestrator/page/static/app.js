@@ -39,11 +39,16 @@ async function show(again = false) {
   if (missed) look();
 }
 
+const details = () => [...main.querySelectorAll("details")];
+const named = (one) => one.querySelector("summary").textContent.replace(/\d+/g, "");
+
 // Read again what is shown, and stay where the user was.
 async function refresh() {
   const place = scrollY;
   const { id, ariaLabel, textContent, tagName } = document.activeElement ?? {};
+  const opened = new Set(details().filter((d) => d.open).map(named));
   await show(true);
+  for (const one of details()) if (opened.has(named(one))) one.open = true;
   scrollTo(0, place);
   const same = [...main.querySelectorAll("button, input, select, textarea, summary")].find((e) =>
     id ? e.id === id : ariaLabel ? e.ariaLabel === ariaLabel
@@ -51,10 +56,11 @@ async function refresh() {
   same?.focus({ preventScroll: true });
 }
 
-function look() {
+// Files changed: what is shown is made again if it would now look otherwise.
+async function look() {
   missed = view === null;
-  if (view?.changed) view.changed();
-  else if (view) refresh();
+  const before = view;
+  if (before && (!before.changed || await before.changed()) && view === before) refresh();
 }
 
 addEventListener("hashchange", async () => {

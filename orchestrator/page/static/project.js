@@ -84,7 +84,7 @@ function runs(found) {
       run.changed.join(", "),
       Object.entries(run.metrics).slice(0, SHOWN)
         .map(([name, m]) => `${name} ${number(m.value, 5)} ${unitOf(m.unit)}`).join(", "),
-      run.report ? h("a", { href: `/report/${encodeURI(run.name)}`, target: "_blank",
+      run.report ? h("a", { href: `/report/runs/${encodeURI(run.name)}/report.html`, target: "_blank",
         "aria-label": `report of ${run.name}` }, "report") : "",
     ])));
 }

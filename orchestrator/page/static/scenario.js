@@ -4,6 +4,7 @@ import { Board } from "./board.js";
 import { Compose } from "./compose.js";
 import { alertOf, h, number, say, table, unitOf } from "./dom.js";
 import { Parameters } from "./parameters.js";
+import { Questions } from "./questions.js";
 import { ask, send, tell } from "./server.js";
 
 export async function scenario(name) {
@@ -26,6 +27,7 @@ class Scenario {
     this.figures = h("div", {});
     this.parameters = new Parameters(found, () => this.redraw());
     this.compose = new Compose(found, () => dispatchEvent(new Event("refresh")));
+    this.questions = new Questions(found, () => this.shown?.figures ?? []);
     this.command = h("code", {});
     this.write = h("button", { type: "button", onclick: () => this.into() }, "Write into the scenario");
     this.write.hidden = !found.own;
@@ -52,6 +54,7 @@ class Scenario {
           h("h2", {}, "Parameters"), this.parameters.element, this.write,
           h("p", { class: "soft" }, "The same on the command line: ", this.command))),
       ...this.compose.parts,
+      h("h2", {}, "Questions"), this.questions.element,
     ].filter((part) => part);
     this.asked = null;
     this.again = false;
@@ -99,6 +102,7 @@ class Scenario {
   }
 
   show(frame) {
+    this.shown = frame;
     this.board.draw(frame);
     this.figures.replaceChildren(figures(frame), ...notes(frame));
   }
@@ -146,19 +150,20 @@ class Scenario {
     else this.run.focus();
   }
 
-  // A file changed: what is shown is read again, the sliders stay where they are.
+  // Tell whether the scenario would now be shown otherwise; sliders stay where they are.
   async changed() {
-    if (this.running) return;
+    if (this.running) return false;
     try {
       const found = await ask("scenario", { name: this.found.name });
-      if (JSON.stringify(found) !== JSON.stringify(this.found)) dispatchEvent(new Event("refresh"));
-    } catch (error) {
-      this.fail(error);
+      return JSON.stringify(found) !== JSON.stringify(this.found);
+    } catch {
+      return true;
     }
   }
 
   leave() {
     this.stop();
+    this.questions.stop();
   }
 }
 

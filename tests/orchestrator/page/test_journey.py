@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import pytest
 from browsed import Page
-from selenium.webdriver.support.select import Select
 
 from fmus.build import build
 
@@ -60,8 +59,8 @@ def theirs(tmp_path: Path) -> Path:
 
 
 def connect(page: Page, source: str, sink: str) -> None:
-    Select(page.until("#from")).select_by_value(source)
-    Select(page.until("#to")).select_by_value(sink)
+    page.choose("from", source)
+    page.choose("to", sink)
     page.click("Connect")
 
 
@@ -69,7 +68,7 @@ def test_my_fmu_in_place_of_yours(
     browser: Page, site: SimpleNamespace, theirs: Path
 ) -> None:
     browser.open()
-    browser.until("summary", text="Begin a scenario").click()
+    browser.press("summary", "Begin a scenario")
     browser.put("name", "mine")
     browser.put("component", "motor")
     browser.put("model", "models/motor.py")
@@ -89,10 +88,8 @@ def test_my_fmu_in_place_of_yours(
     browser.until("[aria-label='disconnect motor.i']")
     browser.put("latency of controller", "1\t")
     browser.until(".picture svg", text="latency 1 sample")
-    browser.until("summary", text="0 recorded signals").click()
-    browser.driver.find_element(
-        "xpath", "//label[contains(., 'motor.omega')]/input"
-    ).click()
+    browser.press("summary", "0 recorded signals")
+    browser.press("label", "motor.omega")
     browser.until("summary", text="1 recorded signals")
     browser.put("p-controller.omega_r", "100\t")
     browser.click("Write into the scenario")
@@ -144,6 +141,6 @@ def test_a_name_that_is_code_is_refused_or_shown_as_text(
     assert browser.js(upload, "hit.fmu", content)["name"] == "Theirs"
     browser.scenario("tests/speed_step.toml")
     browser.click("replace motor")
-    Select(browser.until("#choice")).select_by_value("hit.fmu")
+    browser.choose("choice", "hit.fmu")
     browser.until("td", text=code)
     assert browser.js("return window.hit ?? 0") == 0
