@@ -8,6 +8,9 @@ import numpy as np
 from orchestrator import Result, run
 from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.variations import Axis
+from orchestrator.drawings.page import write_figure
+from orchestrator.drawings.registry import read_registry
+from orchestrator.scenario.reading import find_study
 
 HERE = Path(__file__).parent
 UM_PER_RAD = 1e6 * 0.020 / (2 * np.pi)
@@ -124,8 +127,20 @@ def rose() -> None:
     figure.savefig(HERE / "pictures" / "rose.png", dpi=110)
 
 
+def studies() -> None:
+    """A figure of each of three sources, as ``feeddrive figure`` draws it."""
+    for study, number in (
+        ("ball_screw_pole_placement", "fig_3_11"),
+        ("gantry", "fig_4_14"),
+        ("leadscrew_nctf", "fig_5_1"),
+    ):
+        file = HERE / "pictures" / f"{study}_{number}.png"
+        write_figure(read_registry(find_study(study)), number, file)
+
+
 if __name__ == "__main__":
     demo()
     held()
     switching()
     rose()
+    studies()

@@ -19,6 +19,7 @@ from orchestrator.cli.running import simulate
 from orchestrator.evaluation.compare import number
 
 if TYPE_CHECKING:
+    from orchestrator.bands.spread import Band
     from orchestrator.outcome import Run
     from orchestrator.reproduction.reproduce import Reproduction
 
@@ -113,6 +114,10 @@ def reproduce(
     figures: Annotated[
         bool, typer.Option("--figures", help="make the page with the source's figures")
     ] = False,
+    bands: Annotated[
+        bool,
+        typer.Option("--bands", help="sweep over what the source does not print"),
+    ] = False,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -128,10 +133,15 @@ def reproduce(
     told = done.as_json(study)
     if figures:
         told["page"] = str(_page(study, done))
+    spread = _bands(study) if bands else []
+    if bands:
+        told["bands"] = [band.as_json() for band in spread]
     if json:
         print_json(told)
     else:
         print_reproduction(study, done)
+        if bands:
+            _print_bands(spread)
         if figures:
             echo(f"figures and tables: {told['page']}")
     if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:
@@ -150,3 +160,33 @@ def _page(study: str, done: "Reproduction") -> Path:
         return write_figures(
             registry, done, file, told=lambda number: echo(f"drew {number}", err=True)
         )
+
+
+def _bands(study: str) -> "list[Band]":
+    from orchestrator.bands.spread import bands
+    from orchestrator.scenario.reading import find_study
+
+    with waiting(f"sweeping over what the source of {study} does not print"):
+        return bands(
+            find_study(study), told=lambda name: echo(f"swept {name}", err=True)
+        )
+
+
+def _print_bands(bands: "list[Band]") -> None:
+    rows = [
+        [
+            band.row,
+            band.where,
+            band.published,
+            f"{band.low:.4g}",
+            f"{band.high:.4g}",
+            band.unit,
+            "inside" if band.inside else "outside",
+            f"{band.members}" + f" ({band.failed} failed)" * bool(band.failed),
+        ]
+        for band in bands
+    ]
+    head = ["figure", "where", ">published", ">from", ">to", "unit", "is", "members"]
+    print_table(head, rows, "bands over what the source does not print")
+    for text in dict.fromkeys(line for band in bands for line in band.over):
+        echo(f"  {text}")

@@ -98,10 +98,13 @@ def _seen(axis: Axis, curve: Points) -> tuple[Array, Array]:
 
 
 def _lay_out(axes: Any, panel: Panel) -> None:
+    from matplotlib.ticker import NullFormatter
+
     for axis, name in ((panel.x, "x"), (panel.y, "y")):
         getattr(axes, f"set_{name}label")(_label(axis), fontsize=8)
         if axis.log:
             getattr(axes, f"set_{name}scale")("log")
+            getattr(axes, f"{name}axis").set_minor_formatter(NullFormatter())
         if axis.range:
             getattr(axes, f"set_{name}lim")(*axis.range)
     if panel.equal:

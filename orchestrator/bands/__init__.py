@@ -1,0 +1,1 @@
+"""Bands of figures that rest on numbers which their source does not print."""
