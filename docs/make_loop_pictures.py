@@ -11,10 +11,11 @@ from make_pictures import STUDY, tracking_error
 from controllers.synthesis.ball_screw.loops import sampled_loop
 from controllers.synthesis.frequency import respond
 from orchestrator import run
+from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import parse_constraint
 from orchestrator.analysis.fit import fit, free_values
 from orchestrator.analysis.measured import beside
-from orchestrator.analysis.tune import free_of, tune
+from orchestrator.analysis.tune import tune
 from orchestrator.response.measure import measure
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import load_scenario

@@ -2,7 +2,8 @@
 
 Ours, and what lies in the project: below the nearest folder above the working folder
 that has a ``pyproject.toml``, else below the working folder; links are resolved,
-installed packages do not count.  A program that calls our functions decides for
+installed packages do not count, unless they say themselves that they bring models
+(entry points of ``feeddrive.models``).  A program that calls our functions decides for
 itself: the rule holds inside ``only_project``, where commands without ``--trust`` are.
 """
 
@@ -10,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -46,7 +48,8 @@ def refusal(module: str) -> str | None:
     """Return why a module, by dotted name or path, is not executed; None if it is."""
     if not _ONLY_PROJECT.get():
         return None
-    if not is_file(module) and module.partition(".")[0] in OWN_PACKAGES:
+    top = module.partition(".")[0]
+    if not is_file(module) and top in (*OWN_PACKAGES, *packages_of_models()):
         return None
     place = Path(module) if is_file(module) else _place(module.partition(".")[0])
     if place is None or _belongs(place.resolve()):  # none: nothing to import
@@ -55,6 +58,12 @@ def refusal(module: str) -> str | None:
         f"{module} is Python code that lies neither in feeddrive nor in the project "
         f"{project()}; read it, and give --trust to execute it"
     )
+
+
+def packages_of_models() -> tuple[str, ...]:
+    """Return the installed packages that bring models, by their entry points."""
+    found = entry_points(group="feeddrive.models")
+    return tuple(entry.value.partition(".")[0] for entry in found)
 
 
 def _place(top: str) -> Path | None:

@@ -48,6 +48,10 @@ class ResponseError(FeedDriveError):
     """A composition has no such loop, or its response cannot be measured."""
 
 
+class PluginError(FeedDriveError):
+    """What another package adds to feeddrive cannot be used."""
+
+
 class TuneError(FeedDriveError):
     """What is to be tuned is not there, or no values keep the constraints."""
 

@@ -45,6 +45,7 @@ class Isolation:
     """Whether an FMU runs in a process of its own, and what it may take there.
 
     ``process`` None means: if it is not ours or needs an execution tool.  A process
+    in a ``sandbox`` may read programs and write in the folder of its FMU, no more; one
     that does not answer within ``answer_within`` seconds is killed; ``memory_limit``
     (bytes) is what it may take besides Python (not enforced on Windows and macOS).
     """
@@ -52,6 +53,7 @@ class Isolation:
     process: bool | None = None
     answer_within: float = 60.0
     memory_limit: float | None = None
+    sandbox: bool = False
 
 
 @dataclass(frozen=True)

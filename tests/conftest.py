@@ -1,4 +1,8 @@
-"""Options and fixtures shared by all tests."""
+"""Options and fixtures shared by all tests.
+
+Matrices are small here: a thread of BLAS per core costs a loaded machine three times
+the CPU of one.  Workers take the setting over before they import NumPy.
+"""
 
 import os
 from collections.abc import Iterator
@@ -12,6 +16,7 @@ from effort import EFFORT
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 hypothesis.settings.register_profile("untimed", deadline=None)
 hypothesis.settings.load_profile("untimed")
 

@@ -21,7 +21,6 @@ ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "dist" / "site-source"
 SITE = ROOT / "dist" / "site"
 LINK = re.compile(r"(!?\[[^\]]*\]\()([^)#\s]+)(#[^)\s]*)?\)")
-REPOSITORY = "https://github.com/feeddrive/feeddrive"
 
 
 def gather(folder: Path, modules: Iterable[str]) -> None:
@@ -71,7 +70,7 @@ def _decisions(folder: Path) -> str:
 
 
 def _links(file: Path, docs: Path) -> str:
-    """Return a page with links that hold in the site; others lead to the source."""
+    """Return a page with links that hold in the site; what is no page is only named."""
 
     def link(match: re.Match[str]) -> str:
         before, target, part = match[1], match[2], match[3] or ""
@@ -80,12 +79,13 @@ def _links(file: Path, docs: Path) -> str:
         there = (file.parent / target).resolve()
         if not there.exists():
             raise SystemExit(f"{file}: there is no {target}")
-        return f"{before}{_target(file, there, docs)}{part})"
+        page = _target(file, there, docs)
+        return f"{before}{page}{part})" if page else before[1:-2]
 
     return LINK.sub(link, file.read_text(encoding="utf-8"))
 
 
-def _target(file: Path, there: Path, docs: Path) -> str:
+def _target(file: Path, there: Path, docs: Path) -> str | None:
     ups = (
         "" if file.parent == ROOT else "../" * len(file.parent.relative_to(docs).parts)
     )
@@ -96,7 +96,7 @@ def _target(file: Path, there: Path, docs: Path) -> str:
     if there.parent == ROOT and there.suffix == ".md":
         name = "index" if there.stem == "README" else there.stem.lower()
         return f"{ups}{name}.md"
-    return f"{REPOSITORY}/tree/main/{there.relative_to(ROOT).as_posix()}"
+    return None  # a folder or a file of the source
 
 
 def missing(site: Path = SITE) -> Iterator[str]:

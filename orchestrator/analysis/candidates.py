@@ -61,11 +61,15 @@ def parse_constraint(text: str) -> Constraint:
 
 @dataclass(frozen=True)
 class Judged:
-    """One set of values: its objective in the worst variation, and what it misses."""
+    """One set of values: its objective in the worst variation, and what it misses.
+
+    ``failure`` says why a run of it failed, if one did.
+    """
 
     objective: float
     missed: float
     worst: Mapping[str, object] = field(default_factory=dict)
+    failure: str = ""
 
     @property
     def rank(self) -> float:
@@ -121,8 +125,11 @@ class Judge:
         keep = [i for i in range(len(members)) if run_all or not np.any(missed[i])]
         self.evaluations += len(flat)
         objectives = np.full(missed.shape, np.inf)
-        self._run(members, keep, objectives, missed)
-        return [self._judged(objectives[i], missed[i]) for i in range(len(members))]
+        failures = self._run(members, keep, objectives, missed)
+        return [
+            self._judged(objectives[i], missed[i], failures.get(i, ""))
+            for i in range(len(members))
+        ]
 
     def _run(
         self,
@@ -130,13 +137,14 @@ class Judge:
         keep: Sequence[int],
         objectives: Real,
         missed: Real,
-    ) -> None:
-        width = len(self.variations)
+    ) -> dict[int, str]:
+        width, failures = len(self.variations), {}
         jobs = [Job(i * width + j, members[i][j]) for i in keep for j in range(width)]
         for outcome in self._group.run(jobs):
             at = divmod(outcome.index, width)
             if outcome.failure is not None:
                 missed[at] += 10.0
+                failures[at[0]] = outcome.failure
                 continue
             for c in self.constraints:
                 if c.figure in outcome.figures:
@@ -144,11 +152,15 @@ class Judge:
             figure = outcome.figures[self._objective]
             if not isinstance(figure, NoValue):
                 objectives[at] = figure.value
+        return failures
 
-    def _judged(self, objectives: Real, missed: Real) -> Judged:
+    def _judged(self, objectives: Real, missed: Real, failure: str) -> Judged:
         i = int(np.argmax(missed)) if np.any(missed) else int(np.argmax(objectives))
         return Judged(
-            float(np.max(objectives)), float(np.max(missed)), dict(self.variations[i])
+            float(np.max(objectives)),
+            float(np.max(missed)),
+            dict(self.variations[i]),
+            failure,
         )
 
     def _values(self, x: Real, variation: Assignment) -> Values:

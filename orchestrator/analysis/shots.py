@@ -24,8 +24,8 @@ from orchestrator.master.simulate import plan
 from orchestrator.response.bench import Bench
 from orchestrator.response.excitation import Lines, grid, signal, spectra
 from orchestrator.response.figures import worst
-from orchestrator.response.margins import margins, peak
-from orchestrator.response.measured import Response
+from orchestrator.response.margins import Margins, margins, peak
+from orchestrator.response.measured import Response, eigenvalues
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import System, Value
 
@@ -70,7 +70,8 @@ class Shots:
         self._hz = self._lines / float(self._n * rates.T)
         injected = [self._injected(full, i) for i in range(len(full.breaks))]
         self._D = [spectra(d, self._n, self._lines)[0] for d in injected]
-        nothing: list[Real | None] = [None] * len(injected)
+        # zeros too are injected: so all runs are of one program, compiled once
+        nothing = [np.zeros(self._n)] * len(injected)
         self._runs = [self._of(nothing)]
         for i, d in enumerate(injected):
             self._runs.append(self._of([*nothing[:i], d, *nothing[i + 1 :]]))
@@ -83,7 +84,7 @@ class Shots:
         d = signal(self._lines, shape, self._n, "multisine", generator)
         return full.amplitude[i] * d
 
-    def _of(self, injected: Sequence[Real | None]) -> "_Runs":
+    def _of(self, injected: Sequence[Real]) -> "_Runs":
         system = self._bench.system(injected, self._n, SETTLING + 1)
         names = tuple(b.name for b in self._bench.breaks)
         return _Runs(system, names, self._loaded)
@@ -119,8 +120,12 @@ class Shots:
             G.append(np.array(B).T / self._D[i][:, None])
         S = np.eye(len(G)) + np.stack(G, axis=2)
         loops = [margins(self._hz, 1 / S[:, i, i] - 1) for i in range(len(G))]
+        alike: list[Margins] = []
+        if len(G) > 1:
+            L = np.asarray(np.linalg.inv(S) - np.eye(len(G)), dtype=np.complex128)
+            alike = [margins(self._hz, locus) for locus in eigenvalues(L).T]
         largest = np.linalg.norm(S, 2, axis=(1, 2))
-        return Shot(worst(loops, peak(self._hz, largest)[1]))
+        return Shot(worst(loops, alike, peak(self._hz, largest)[1]))
 
     def close(self) -> None:
         """Free the FMUs that did not run in lanes."""

@@ -94,9 +94,11 @@ def tune(
             judge.constraints = tighter
         found = judge.judge(x[None])[0]
         if found.missed > 0 or not np.isfinite(found.objective):
+            bounds = " and ".join(c.figure for c in constraints) or "a finite figure"
+            why = f"; a run failed: {found.failure}" if found.failure else ""
             raise TuneError(
-                f"no candidate keeps {' and '.join(c.figure for c in constraints)} "
-                f"in every variation; widen --bounds or lower a bound"
+                f"no candidate keeps {bounds} in every variation; widen --bounds or "
+                f"lower a bound{why}"
             )
         nominal = _full(judge, recompose, _named(free, x))
         margins = {

@@ -98,7 +98,12 @@ app.command("import")(importing.import_)
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line.
+
+    NumPy's matrices are small here: threads for each cost more than they give, and
+    processes share the cores already.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _open_what_is_closed()
     app(prog_name="feeddrive")
 

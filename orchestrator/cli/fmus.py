@@ -15,6 +15,7 @@ from orchestrator.cli.output import (
     print_table,
     waiting,
 )
+from orchestrator.plugins import named
 from orchestrator.quantities.quantity import parse_period, rate, time_text
 
 if TYPE_CHECKING:
@@ -48,12 +49,12 @@ def models(json: Json = False) -> None:
 
 
 def model_modules() -> Iterator[str]:
-    """Yield the dotted names of all public model modules."""
-    for package in PACKAGES:
+    """Yield the dotted names of all public model modules, ours and then others'."""
+    for package in (*PACKAGES, *(entry.value for entry in named("models").values())):
         for folder in importlib.import_module(package).__path__:
             for file in sorted(Path(folder).rglob("[!_]*.py")):
                 parts = file.relative_to(folder).with_suffix("").parts
-                if parts[0] != "synthesis":
+                if (package, parts[0]) != ("controllers", "synthesis"):
                     yield ".".join((package, *parts))
 
 

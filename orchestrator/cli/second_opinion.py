@@ -46,17 +46,18 @@ def second_opinion(
     from orchestrator.peers import second_opinion as opinions
 
     set_up_logs(verbose=False)
+    known = environment.every_peer()
     for name in tool:
-        if name not in environment.PEERS:
-            remedy = did_you_mean(name, environment.PEERS)
+        if name not in known:
+            remedy = did_you_mean(name, known)
             raise ScenarioError(f"--tool {name}: there is no such tool; {remedy}")
-    chosen = tuple(tool or environment.PEERS)
+    chosen = tuple(tool or known)
     loaded = load(scenario, sets, swap, map, fmi)
     if install:
         for name in chosen:
             try:
                 with waiting(f"installing {name}"):
-                    environment.install(environment.PEERS[name])
+                    environment.install(known[name])
             except environment.PeerError as error:
                 echo(str(error), err=True)
     with waiting(f"running {loaded.name} here and in {', '.join(chosen)}"):

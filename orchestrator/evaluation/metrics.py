@@ -22,6 +22,7 @@ from orchestrator.evaluation.motion import (
     step_response,
     sustained,
 )
+from orchestrator.evaluation.plugin import of_plugin
 from orchestrator.evaluation.schema import (
     ContourMetric,
     ErrorMetric,
@@ -29,6 +30,7 @@ from orchestrator.evaluation.schema import (
     MetricSpec,
     OnsetMetric,
     PlainMetric,
+    PluginMetric,
     SettlingMetric,
     SineMetric,
     SpectrumMetric,
@@ -181,6 +183,8 @@ def _figures(
     if isinstance(spec, ErrorMetric):
         reference, _ = scaled(spec, found["against"], parameter, unit)
         return _of_error(reference[rows] - y, unit)
+    if isinstance(spec, PluginMetric):
+        return of_plugin(spec, time, y, unit)
     if isinstance(spec, PlainMetric):
         figure_unit = unit.of_difference() if spec.kind == "span" else unit
         return {spec.kind: Quantity(_PLAIN[spec.kind](y), figure_unit)}

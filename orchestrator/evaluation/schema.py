@@ -207,6 +207,18 @@ class SustainedMetric(_Metric):
         return {"of": self.of, "level": self.level}
 
 
+class PluginMetric(_Metric):
+    """Figures of a signal by the function ``name`` of another package.
+
+    It is an entry point of ``feeddrive.metrics`` and takes the rows' times (s) and
+    values, their unit, and the ``arguments``.
+    """
+
+    kind: Literal["plugin"]
+    name: str
+    arguments: dict[str, Any] = Field(default_factory=dict)
+
+
 MetricSpec: TypeAlias = Annotated[
     ErrorMetric
     | OnsetMetric
@@ -216,7 +228,8 @@ MetricSpec: TypeAlias = Annotated[
     | SpectrumMetric
     | StepMetric
     | ContourMetric
-    | SustainedMetric,
+    | SustainedMetric
+    | PluginMetric,
     Field(discriminator="kind"),
 ]
 

@@ -12,7 +12,7 @@ A signal recorded at several rates is written at the highest.  Nothing is
 interpolated.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
+from orchestrator.plugins import load, named
 from orchestrator.quantities.quantity import rate
 from orchestrator.result import Result, Signal
 
 Table: TypeAlias = dict[str, Signal]
 Tables: TypeAlias = Mapping[Fraction, Table]
+Writer: TypeAlias = Callable[[Tables, Path], None]
 
 
 def export(folder: Path, target: Path, at: Fraction | None = None) -> Path:
@@ -36,9 +38,9 @@ def export(folder: Path, target: Path, at: Fraction | None = None) -> Path:
     Raises:
         ScenarioError: an unknown suffix, no rows, or several rates for one CSV file.
     """
-    form = _FORMS.get(target.suffix.lower())
+    form = _form(target.suffix.lower())
     if form is None:
-        known = ", ".join(_FORMS)
+        known = ", ".join([*_FORMS, *named("writers")])
         raise ScenarioError(f"{target}: write a file that ends in one of {known}")
     tables = _tables(Result(folder), at)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -143,4 +145,13 @@ def _hdf5(tables: Tables, target: Path) -> None:
 
 
 _PACKED: dict[str, Any] = {"compression": "gzip", "shuffle": True}
-_FORMS = {".csv": _csv, ".mat": _mat, ".h5": _hdf5}
+
+
+def _form(suffix: str) -> Writer | None:
+    if suffix in named("writers"):
+        writer: Writer = load("writers", suffix)
+        return writer
+    return _FORMS.get(suffix)
+
+
+_FORMS: dict[str, Writer] = {".csv": _csv, ".mat": _mat, ".h5": _hdf5}

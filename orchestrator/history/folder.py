@@ -18,13 +18,14 @@ refused before anything was recorded leaves no folder.
 
 import json
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from fmus.cache import on_disk
 from orchestrator.errors import FeedDriveError, Interrupted, ScenarioError
 from orchestrator.folders.held import LOCK as HELD
 from orchestrator.folders.held import FolderHeld, held
@@ -66,8 +67,10 @@ class RunFolder:
     number: int | None = None
 
     def complete(self, summary: Mapping[str, Any]) -> None:
-        """Write the figures: from now on the run is complete."""
-        _write(self.path / METRICS, summary)
+        """Write the figures, when its rows are on the disk: now the run is complete."""
+        for file in (self.path / "result").glob("*"):
+            on_disk(file)
+        _write(self.path / METRICS, summary, on_disk)
 
 
 @contextmanager
@@ -108,7 +111,7 @@ def taken_again(folder: Path) -> Iterator[tuple[RunFolder, Begun]]:
             stack.enter_context(held(folder))
         except FolderHeld:
             raise ScenarioError(f"{folder}: is under way") from None
-        if (folder / METRICS).exists():
+        if (folder / METRICS).is_file() and (folder / METRICS).read_bytes():
             raise ScenarioError(f"{folder}: is complete; there is nothing to resume")
         try:
             content = json.loads((folder / BEGUN).read_text(encoding="utf-8"))
@@ -220,8 +223,13 @@ def _reached(folder: Path) -> float | None:
         return None
 
 
-def _write(file: Path, content: Mapping[str, Any]) -> None:
+def _write(
+    file: Path,
+    content: Mapping[str, Any],
+    synced: Callable[[Path], None] = lambda _: None,
+) -> None:
     """Write JSON so that a reader sees all of it or the file that was there."""
     partial = file.with_suffix(".partial")
     partial.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    synced(partial)
     partial.replace(file)

@@ -30,7 +30,8 @@ class Child:
     """A process that runs ``target(pipe, *arguments)``.
 
     ``log`` takes its messages, ``ended`` is called when it has ended, or sent what is
-    no frame: then it is ``damaged``.
+    no frame: then it is ``damaged``.  In a ``sandbox``, the target has as its last
+    argument where it tells what it is denied.
     """
 
     def __init__(
@@ -39,14 +40,21 @@ class Child:
         *arguments: Any,
         log: Callable[[LogMessage], None],
         ended: Callable[[], None],
+        sandbox: bool = False,
     ) -> None:
         self.damaged = False
         self._log, self._ended = log, ended
         self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         self.pipe, theirs = mp.get_context("spawn").Pipe()
         self._mark = new_mark()
-        self._process = spawn(self._mark, target, theirs, *arguments)
-        theirs.close()
+        self._denied: list[str] = []
+        self._denials, telling = None, []
+        if sandbox:
+            self._denials, end = mp.get_context("spawn").Pipe(duplex=False)
+            telling = [end]
+        self._process = spawn(self._mark, target, theirs, *arguments, *telling)
+        for end in (theirs, *telling):
+            end.close()
         self._ending = _ending(self._process)
         self._listener = Thread(target=self._listen, daemon=True)
         self._listener.start()
@@ -110,9 +118,22 @@ class Child:
             ):
                 end.shutdown(socket.SHUT_RDWR)
         self._listener.join()
+        self.denials()
+        if self._denials is not None:
+            self._denials.close()
+            self._denials = None
         self.pipe.close()
         if self._ending != self._process.sentinel:
             os.close(self._ending)
+
+    def denials(self) -> str:
+        """Return what its sandbox denied until now, as a sentence if anything was."""
+        if self._denials is not None:
+            with suppress(EOFError, OSError):
+                while self._denials.poll():
+                    told = self._denials.recv_bytes(LARGEST)
+                    self._denied.append(told.decode("utf-8", "replace"))
+        return f" Its sandbox denied {', '.join(self._denied)}." if self._denied else ""
 
     def _listen(self) -> None:
         """Take what comes up the pipe, until the child has ended; in a thread."""

@@ -17,6 +17,7 @@ from orchestrator.instances.logs import LogMessage
 from orchestrator.result import Result
 
 LARGEST = 64 << 20  # bytes of a frame
+TOO_LARGE = 1 << 64  # for a whole number
 _ERRORS = {kind.__name__: kind for kind in (FeedDriveError, FmuError, SimulationError)}
 
 
@@ -126,6 +127,8 @@ def _nothing(told: Any) -> None:
 def _number(told: Any) -> float:
     if not isinstance(told, float | int):
         raise TypeError("no number")
+    if isinstance(told, int) and abs(told) >= TOO_LARGE:
+        raise TypeError("no number of FMI")
     return told  # a whole one stays so: it may have 64 bits
 
 

@@ -14,15 +14,17 @@ import os
 import resource
 import select
 import signal
+import socket
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from time import sleep
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from orchestrator.errors import shown
+from orchestrator.instances.supervisor import Supervisor
 
 PDEATHSIG, SUBREAPER = 1, 36  # of prctl
 ROUNDS, PAUSE = 400, 0.005  # of killing, with seconds between: at most 2 s
@@ -46,8 +48,13 @@ def guards() -> bool:
     return True
 
 
-def stand_guard(cleared: Callable[[], None]) -> None:
+def stand_guard(
+    cleared: Callable[[], None], denials: Any = None
+) -> socket.socket | None:
     """Split this process; the caller's goes on in the guarded one.
+
+    With ``denials``, a connection to the master, the guard watches a sandbox, which is
+    entered with the socket that is returned.
 
     ``cleared`` is called in the guard when the master has gone and nothing that it
     guards is left.
@@ -65,25 +72,39 @@ def stand_guard(cleared: Callable[[], None]) -> None:
     prctl(SUBREAPER, 1, 0, 0, 0)
     guard = os.getpid()
     printed, printing = os.pipe()
+    ours = theirs = None
+    if denials is not None:
+        ours, theirs = socket.socketpair()
     guarded = os.fork()
     if guarded:
-        _guard(guarded, watched, printed, cleared)
+        supervisor = None
+        if ours is not None:
+            supervisor = Supervisor(ours, denials)
+        _guard(guarded, watched, printed, supervisor, cleared)
     prctl(PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     for descriptor in (1, 2):
         os.dup2(printing, descriptor)
     for descriptor in (watched, printed, printing):
         os.close(descriptor)
+    if ours is not None:
+        ours.close()
+        denials.close()
     if os.getppid() != guard:
         os._exit(LEFT)
+    return theirs
 
 
 def _guard(
-    guarded: int, watched: int, printed: int, cleared: Callable[[], None]
+    guarded: int,
+    watched: int,
+    printed: int,
+    supervisor: Supervisor | None,
+    cleared: Callable[[], None],
 ) -> NoReturn:
     """Wait for an end; leave nothing."""
     code = -signal.SIGKILL
     try:
-        code = _watch(guarded, watched, printed, cleared)
+        code = _watch(guarded, watched, printed, supervisor, cleared)
     finally:
         if code < 0:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -95,7 +116,11 @@ def _guard(
 
 
 def _watch(
-    guarded: int, watched: int, printed: int, cleared: Callable[[], None]
+    guarded: int,
+    watched: int,
+    printed: int,
+    supervisor: Supervisor | None,
+    cleared: Callable[[], None],
 ) -> int:
     ends: dict[int, int] = {}
 
@@ -109,7 +134,8 @@ def _watch(
 
     end = os.pidfd_open(guarded)
     terminal = os.dup(2)
-    _hold_nothing_but(watched, printed, terminal, end)
+    held = supervisor.held if supervisor else ()
+    _hold_nothing_but(watched, printed, terminal, end, *held)
     os.set_blocking(printed, False)
     signal.signal(signal.SIGCHLD, reap)
     gone = False
@@ -118,11 +144,15 @@ def _watch(
         waiting = select.poll()
         for descriptor in (watched, printed, end):
             waiting.register(descriptor, select.POLLIN)
-        ready = {printed}
-        while not ready & {watched, end}:
-            ready = {descriptor for descriptor, _ in waiting.poll()}
+        ready = {printed: 0}
+        if supervisor:
+            waiting.register(supervisor.descriptor, select.POLLIN)
+        while not ready.keys() & {watched, end}:
+            ready = dict(waiting.poll())
             if printed in ready and not _show(printed, terminal):
                 waiting.unregister(printed)
+            if supervisor and supervisor.descriptor in ready:
+                _supervise(supervisor, waiting, ready[supervisor.descriptor])
         gone = watched in ready
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
     except _Asked:
@@ -141,6 +171,12 @@ def _watch(
         cleared()
         return LEFT
     return ends.get(guarded, -signal.SIGKILL)
+
+
+def _supervise(supervisor: Supervisor, waiting: Any, event: int) -> None:
+    waiting.unregister(supervisor.descriptor)
+    if event & select.POLLIN and supervisor.serve():
+        waiting.register(supervisor.descriptor, select.POLLIN)
 
 
 def _show(printed: int, terminal: int) -> bool:

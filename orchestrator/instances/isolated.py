@@ -14,7 +14,6 @@ end; a child whose master dies ends by itself.
 """
 
 import ctypes
-import multiprocessing as mp
 import queue
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -36,6 +35,7 @@ from orchestrator.instances.frames import fit
 from orchestrator.instances.group import Group
 from orchestrator.instances.isolated_child import serve
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.possible import refuse_impossible
 from orchestrator.instances.shared import Shared
 from orchestrator.native import library as c
 from orchestrator.system import Isolation
@@ -61,12 +61,7 @@ class IsolatedInstance:
         isolation: Isolation,
         clocks: bool = False,
     ) -> None:
-        if mp.current_process().daemon:
-            raise SimulationError(
-                f"{name} ({description.path.name}): this process is a daemon (of "
-                f"multiprocessing.Pool?) and may not start one for the FMU; use "
-                f"concurrent.futures.ProcessPoolExecutor, or isolation = 'none'"
-            )
+        refuse_impossible(name, description.path, isolation)
         self.name, self.description = name, description
         self.clock = ctypes.c_double(0.0)
         self.inputs: list[Group] = []
@@ -90,6 +85,7 @@ class IsolatedInstance:
             self._library is not None,
             log=self._hear,
             ended=self._note_end,
+            sandbox=isolation.sandbox,
         )
 
     def instantiate(self) -> None:
@@ -210,6 +206,8 @@ class IsolatedInstance:
                 self._child.send("close")
                 self._say_how_it_ended(self._child.join(within), within)
         self._child.close()
+        if (denied := self._child.denials()) and not self._failed:
+            warn(f"{self.name} ({self.description.path.name}):{denied}")
         if self._channel is not None:
             self._link.channel, self._channel = None, None
             self.outcome = c.Outcome()
@@ -347,4 +345,5 @@ class IsolatedInstance:
             n = self._channel.steps
             calls = [*calls[-1:], f"{n} steps, the last with {inputs or 'no inputs'}"]
         said = "; ".join(map(str, self._said)) or "nothing"
-        return f"Its last calls: {', '.join(calls) or 'load'}. It logged: {said}."
+        told = f"Its last calls: {', '.join(calls) or 'load'}. It logged: {said}."
+        return told + self._child.denials()

@@ -9,6 +9,7 @@ master's, and ends when the master is gone, with all that the FMU has started.
 import ctypes
 import multiprocessing as mp
 import os
+import socket
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -28,6 +29,7 @@ from orchestrator.instances.guard import guards, stand_guard
 from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
+from orchestrator.instances.sandbox import enter
 from orchestrator.instances.shared import Shared
 from orchestrator.instances.spawn import stand_alone
 from orchestrator.instances.state import restore_here, save_here
@@ -42,13 +44,15 @@ def serve(
     memory_limit: float | None,
     clocks: bool,
     shared: bool,
+    denials: Any = None,
 ) -> None:
     """Load an FMU and carry out requests until one is to close.
 
     ``clocks``: it is ticked by its clock if it has one.  ``shared``: requests to step
-    come through the channel, not the pipe.
+    come through the channel, not the pipe.  ``denials``: in a sandbox, which tells
+    there what it denies.
     """
-    _stand_alone(folder)
+    guard = _stand_alone(folder, denials)
     lock = Lock()
 
     def send(kind: str, value: Any) -> None:
@@ -62,6 +66,10 @@ def serve(
         if memory_limit is not None:
             _limit_memory(memory_limit)
         _import_tools()
+        if guard is not None:
+            if shared:
+                c.library()
+            enter(folder, description.path, memory_limit, guard)
         send("begun", None)  # from here on the FMU's own code may run
         instance = load(name, description, folder, log, clocks=clocks)
         server = _Server(instance, folder, shared, pipe)
@@ -202,13 +210,13 @@ def _import_tools() -> None:
     _ = fmi2, fmi3
 
 
-def _stand_alone(folder: Path) -> None:
+def _stand_alone(folder: Path, denials: Any) -> socket.socket | None:
     """Make this process independent of the terminal and of the master's end."""
     stand_alone()
     if guards():
-        stand_guard(lambda: sweep_when_free(folder))
-    else:
-        Thread(target=_end_with_master, args=(folder,), daemon=True).start()
+        return stand_guard(lambda: sweep_when_free(folder), denials)
+    Thread(target=_end_with_master, args=(folder,), daemon=True).start()
+    return None
 
 
 def _end_with_master(folder: Path) -> NoReturn:

@@ -110,6 +110,8 @@ class Keeper:
         """
         saved = self.saved
         if saved is None:
+            for path in self.file.parent.rglob("*"):  # lock, FMUs and all
+                on_disk(path)
             self.write(0, engine, 0.0, rows)
             return 0.0
         engine.count = saved.count

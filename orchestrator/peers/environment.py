@@ -23,7 +23,8 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
-from orchestrator.errors import FeedDriveError
+from orchestrator.errors import FeedDriveError, PluginError
+from orchestrator.plugins import load, named
 
 HERE = Path(__file__).parent
 PATIENCE = 600.0  # s for one job
@@ -69,6 +70,21 @@ PEERS: Mapping[str, Peer] = {
         ),
     )
 }
+
+
+def every_peer() -> Mapping[str, Peer]:
+    """Return the tools by name, ours and those that other packages add.
+
+    Raises:
+        PluginError: an entry point of ``feeddrive.peers`` is no ``Peer``.
+    """
+    found = dict(PEERS)
+    for name in named("peers"):
+        peer = load("peers", name)
+        if not isinstance(peer, Peer):
+            raise PluginError(f"feeddrive.peers: {name} is {peer!r}, which is no Peer")
+        found[peer.name] = peer
+    return found
 
 
 def python_of(peer: Peer) -> Path:

@@ -24,10 +24,10 @@ from orchestrator.master.layout import Column, Wiring
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.peers.agreement import Rows, against
 from orchestrator.peers.environment import (
-    PEERS,
     Peer,
     PeerError,
     carry_out,
+    every_peer,
     python_of,
     version,
 )
@@ -80,15 +80,16 @@ class SecondOpinion:
 
 
 def second_opinion(
-    scenario: Scenario, peers: Iterable[str] = tuple(PEERS)
+    scenario: Scenario, peers: Iterable[str] | None = None
 ) -> SecondOpinion:
-    """Run a scenario here and in the tools named.
+    """Run a scenario here and in the tools named, or in all there are.
 
     Raises:
         ScenarioError: the tools cannot run such a system (several rates, offsets,
             a latency above one sample, arrays).
         FeedDriveError: it does not run here.
     """
+    known = every_peer()
     with naming(scenario), tempfile.TemporaryDirectory(prefix="feeddrive-") as kept:
         folder = Path(kept)
         composition = compose(scenario, run_earlier)
@@ -100,8 +101,9 @@ def second_opinion(
         rows = len(next(iter(ours.values())))
         wiring, rows_of = plan(alike).wiring, dict[str, dict[str, Rows]]()
         found = tuple(
-            _opinion(PEERS[name], job, wiring, ours, here, folder / name, rows_of)
-            for name in peers
+            _opinion(known[name], job, wiring, ours, here, folder / name, rows_of)
+            for name in known
+            if peers is None or name in peers
         )
         contrary = {n: against(ours[n].values, rows_of.get(n, {})) for n in ours}
     period = next(iter(written.components.values())).period
@@ -267,7 +269,7 @@ def _opinion(
         release = version(peer, python_of(peer))
         table = carry_out(peer, given)
         if peer.name == "fmucontainer":
-            table = carry_out(PEERS["fmpy"], _contained(given))
+            table = carry_out(every_peer()["fmpy"], _contained(given))
     except PeerError as error:
         return PeerOpinion(peer.name, release, 0, str(error), ())
     at = np.rint(table[:, 0] / job["step"]).astype(int)

@@ -12,6 +12,7 @@ from orchestrator.report.swept import FAILED, HEIGHT, HELD, STYLE
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+OWN = (HELD, "#2a9d8f", "#7b4bb7", "#a0522d")  # of several loops
 OTHER, TRACED = "#888", "#c26a00"
 
 
@@ -114,12 +115,12 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><tr>{names}</tr>{cells}</table>"
 
 
-def _line(style: Style, dash: str = "solid") -> dict[str, Any]:
+def _line(style: Style, dash: str = "solid", number: int = 0) -> dict[str, Any]:
     if style == "other":
         return {"color": OTHER, "width": 1, "dash": dash}
     if style == "traced":
         return {"color": TRACED, "width": 1, "dash": "dash"}
-    return {"color": HELD, "width": 2, "dash": dash}
+    return {"color": OWN[number % len(OWN)], "width": 2, "dash": dash}
 
 
 def bode(traces: Sequence[Trace], what: str) -> Any:
@@ -127,8 +128,9 @@ def bode(traces: Sequence[Trace], what: str) -> Any:
     from plotly.subplots import make_subplots
 
     picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
-    for trace in traces:
-        style = {"x": trace.hz, "line": _line(trace.style), "name": trace.name}
+    for i, trace in enumerate(traces):
+        line = _line(trace.style, number=i)
+        style = {"x": trace.hz, "line": line, "name": trace.name}
         picture.add_scatter(y=_db(trace.values), row=1, col=1, **style)
         phase = np.degrees(np.unwrap(np.angle(trace.values)))
         phase -= 360 * np.round(phase[0] / 360)
@@ -150,8 +152,8 @@ def nyquist(curves: Sequence[Curve]) -> Any:
     import plotly.graph_objects as go
 
     picture = go.Figure()
-    for curve in curves:
-        _add_locus(picture, curve.open)
+    for i, curve in enumerate(curves):
+        _add_locus(picture, curve.open, i)
         if curve.style != "traced":
             radius = 1 / np.max(np.abs(curve.S))
             turn = np.linspace(0, 2 * np.pi, 121)
@@ -170,17 +172,17 @@ def generalised_nyquist(loci: Sequence[Trace]) -> Any:
 
     picture = go.Figure()
     for i, locus in enumerate(loci):
-        _add_locus(picture, locus, "solid" if i % 2 == 0 else "dot")
+        _add_locus(picture, locus, i)
     return _around_minus_one(
         picture, "Generalised Nyquist: the eigenvalues of L", "an eigenvalue"
     )
 
 
-def _add_locus(picture: Any, trace: Trace, dash: str = "solid") -> None:
+def _add_locus(picture: Any, trace: Trace, number: int) -> None:
     picture.add_scatter(
         x=trace.values.real,
         y=trace.values.imag,
-        line=_line(trace.style, dash),
+        line=_line(trace.style, number=number),
         name=trace.name,
         text=[f"{hz:.4g} Hz" for hz in trace.hz],
     )
@@ -200,12 +202,12 @@ def sensitivity(curves: Sequence[Curve], borders: Mapping[str, float]) -> Any:
     import plotly.graph_objects as go
 
     picture = go.Figure()
-    for curve in curves:
+    for i, curve in enumerate(curves):
         for name, values, dash in (("S", curve.S, "solid"), ("T", curve.T, "dot")):
             picture.add_scatter(
                 x=curve.hz,
                 y=_db(values),
-                line=_line(curve.style, dash),
+                line=_line(curve.style, dash, i),
                 name=f"{name} {curve.name}",
             )
     for name, level in borders.items():

@@ -21,7 +21,10 @@ LINEAR = 0.01  # of S, at half the amplitude
 
 
 def figures(name: str, found: Measured) -> dict[str, Quantity]:
-    """Return ``<name>.phase_margin_deg`` and the like, the worst of several loops.
+    """Return ``<name>.phase_margin_deg`` and the like.
+
+    Of several breaks they are the worst: of one loop with the others closed, and of
+    what changes at all breaks alike.
 
     From one input to one output they are ``peak`` and the like; between several
     there are none, since each has a unit of its own.
@@ -29,18 +32,23 @@ def figures(name: str, found: Measured) -> dict[str, Quantity]:
     if isinstance(found, Transfer):
         return _of_transfer(name, found) if found.G[0].size == 1 else {}
     assert isinstance(found, Response)
-    values = worst(found.loops, found.s_max[0])
+    together = found.together if len(found.breaks) > 1 else ()
+    values = worst(found.loops, together, found.s_max[0])
     return {
         f"{name}.{key}": Quantity(values[key], unit) for key, unit in FIGURES.items()
     }
 
 
-def worst(loops: Sequence[Margins], s_max: float) -> dict[str, float]:
-    """Return each of ``FIGURES``: of the loop with the least, |S| of all together."""
+def worst(
+    loops: Sequence[Margins], together: Sequence[Margins], s_max: float
+) -> dict[str, float]:
+    """Return each of ``FIGURES``: of the loop, or of the eigenvalue of L, with the
+    least; ``s_max`` and its inverse are of all together, crossovers of the loops."""
     values = {
-        key: min((float(getattr(loop, key)) for loop in loops), key=abs)
+        key: min((float(getattr(m, key)) for m in (*loops, *together)), key=abs)
         for key in FIGURES
     }
+    values["crossover_hz"] = min(loop.crossover_hz for loop in loops)
     return {**values, "s_max": s_max, "modulus_margin": 1 / s_max}
 
 
@@ -197,6 +205,11 @@ def _of_loops(found: Response) -> Iterator[str]:
             f"{', '.join(found.breaks)} is faster than its loop: S is the fundamental "
             f"of each line, {100 * found.alias:.2g} % appears at others, and its "
             f"margins prove nothing; break {found.slower} instead"
+        )
+    if len(set(found.units)) > 1:
+        yield (
+            f"s_max and modulus_margin are of breaks in {', '.join(found.units)} "
+            f"together, and change with these units; the loops' own margins do not"
         )
     if min(loop.crossover_hz for loop in found.loops) < 4 * found.hz[0]:
         yield (

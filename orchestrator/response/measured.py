@@ -15,6 +15,7 @@ Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 RESOLVED = 0.9
+TINY = 1e-300  # of a magnitude whose logarithm is taken
 FALLEN = 1 / np.sqrt(2)  # of the gain at the lowest line, where a bandwidth ends
 
 
@@ -71,17 +72,8 @@ class Response(Measured):
 
     @property
     def loci(self) -> Complex:
-        """The eigenvalues of L (lines, m), each continued from line to line.
-
-        Generalised Nyquist: det(I + L) is the product of 1 + each, so that a gain or
-        a delay common to all breaks takes the loops to their border where it takes
-        one of these to -1 (MacFarlane and Postlethwaite 1977).
-        """
-        found = np.linalg.eigvals(self.L)
-        for one, after in pairwise(found):
-            apart = np.abs(np.log(one[:, None] / after[None, :]))
-            after[:] = after[linear_sum_assignment(apart)[1]]
-        return np.asarray(found)
+        """The eigenvalues of L (lines, m), each continued from line to line."""
+        return eigenvalues(self.L)
 
     @property
     def together(self) -> tuple[Margins, ...]:
@@ -142,6 +134,24 @@ class Transfer(Measured):
         i, x = int(fallen[0]), np.log(self.hz)
         share = below[i - 1] / (below[i - 1] - below[i])
         return float(np.exp(x[i - 1] + share * (x[i] - x[i - 1])))
+
+
+def eigenvalues(L: Complex) -> Complex:
+    """Return the eigenvalues of L (lines, m, m), each continued from line to line.
+
+    Generalised Nyquist: det(I + L) is the product of 1 + each, so that a gain or a
+    delay common to all breaks takes the loops to their border where it takes one of
+    these to -1 (MacFarlane and Postlethwaite 1977).
+    """
+    found = np.asarray(np.linalg.eigvals(L), dtype=np.complex128)
+    for one, after in pairwise(found):
+        ratio = np.maximum(np.abs(one[:, None]), TINY) / np.maximum(
+            np.abs(after[None, :]), TINY
+        )
+        turned = np.angle(one[:, None] * after[None, :].conj())
+        apart = np.hypot(np.log(ratio), turned)
+        after[:] = after[linear_sum_assignment(apart)[1]]
+    return found
 
 
 def _resolved(size: Real) -> bool:

@@ -46,7 +46,7 @@ class ComponentSpec(Strict):
     parameters: dict[str, Number] = Field(default_factory=dict)
     start: dict[str, Number] = Field(default_factory=dict)
     map: dict[str, MapSpec] = Field(default_factory=dict)
-    isolation: Literal["process", "none"] | None = None
+    isolation: Literal["process", "sandbox", "none"] | None = None
     answer_within: Annotated[Fraction, PlainValidator(parse_period)] = Fraction(60)
     memory_limit: Annotated[float | None, PlainValidator(parse_bytes)] = None
     experiment: ExperimentSpec = Field(default_factory=ExperimentSpec)

@@ -126,9 +126,10 @@ def component_of(
         kind=spec.kind,
         map={name: spec.mapped() for name, spec in spec.map.items()},
         isolation=Isolation(
-            None if spec.isolation is None else spec.isolation == "process",
+            None if spec.isolation is None else spec.isolation != "none",
             float(spec.answer_within),
             spec.memory_limit,
+            spec.isolation == "sandbox",
         ),
         experiment=Experiment(spec.experiment.stop, spec.experiment.tolerance),
         split=spec.split,

@@ -125,6 +125,8 @@ def _isolation(isolation: Isolation) -> dict[str, Any]:
     written: dict[str, Any] = {}
     if isolation.process is not None:
         written["isolation"] = "process" if isolation.process else "none"
+    if isolation.sandbox:
+        written["isolation"] = "sandbox"
     if isolation.answer_within != Isolation().answer_within:
         written["answer_within"] = isolation.answer_within
     if isolation.memory_limit is not None:

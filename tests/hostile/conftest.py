@@ -1,5 +1,6 @@
 """What of the hostile suite runs: all with ``--hostile``, else what is a sample."""
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -28,3 +29,15 @@ def pytest_collection_modifyitems(
 
 def pytest_report_header(config: pytest.Config) -> str:
     return f"hostile draws from: {seed()}" if config.getoption("--hostile") else ""
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what tests have told, such as what came of every call that failed."""
+    counted = Counter[str]()
+    for reports in terminalreporter.stats.values():
+        for report in reports:
+            for name, value in getattr(report, "user_properties", ()):
+                if name == "told" and report.when == "call":
+                    counted[str(value)] += 1
+    for told, times in sorted(counted.items()):
+        terminalreporter.write_line(told + (f": {times} times" if times > 1 else ""))

@@ -1,5 +1,6 @@
 /* Serialised states of an FMU's sources, changed at random and signed again, are refused
-   or taken without a byte out of place.  states TRIES SEED; prints tries and taken. */
+   or taken without a byte out of place.  states TRIES SEED; prints tries and taken.
+   With LIBFUZZER, what is changed is what libFuzzer says. */
 #include "fmi2Functions.h"
 
 #include <stdint.h>
@@ -10,6 +11,7 @@
 
 enum { HEAD = 40, DIGEST = 32, SIZE = 24 }; /* bytes, as in snapshot.c */
 
+#ifndef LIBFUZZER
 static uint64_t seed;
 
 static unsigned below(unsigned n) { /* splitmix64 */
@@ -18,6 +20,8 @@ static unsigned below(unsigned n) { /* splitmix64 */
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     return (unsigned)((z ^ (z >> 31)) % n);
 }
+
+#endif
 
 static void sign(unsigned char *bytes, size_t size) {
     uint64_t digest = 14695981039346656037u, whole = size;
@@ -42,6 +46,45 @@ static fmi2Component begun(void) {
     return it;
 }
 
+#ifdef LIBFUZZER
+/* A sound state some steps on, of which the data changes bytes and appends some. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n) {
+    static const fmi2ValueReference input = INPUT_REFERENCE;
+    static fmi2Component it;
+    static unsigned char *sound;
+    static size_t size;
+    static fmi2FMUstate state;
+    fmi2FMUstate other = NULL;
+    fmi2Real u = 1;
+    if (!it) {
+        it = begun();
+        for (int k = 0; k < 4; k++, u++)
+            if (fmi2SetReal(it, &input, 1, &u) || fmi2DoStep(it, k * 1e-4, 1e-4, 1))
+                abort();
+        if (fmi2GetFMUstate(it, &state) ||
+            fmi2SerializedFMUstateSize(it, state, &size) || !(sound = malloc(size)) ||
+            fmi2SerializeFMUstate(it, state, (fmi2Byte *)sound, size))
+            abort();
+    }
+    size_t more = n ? data[0] % 64 : 0, length = size + more;
+    unsigned char *bytes = calloc(length, 1);
+    memcpy(bytes, sound, size);
+    for (size_t i = 1; i + 2 < n; i += 3)
+        bytes[HEAD + (data[i] << 8 | data[i + 1]) % (length - HEAD)] = data[i + 2];
+    sign(bytes, length);
+    if (!fmi2DeSerializeFMUstate(it, (const fmi2Byte *)bytes, length, &other)) {
+        fmi2SetFMUstate(it, other);
+        fmi2GetReal(it, &input, 1, &u);
+        if (fmi2SetFMUstate(it, state)) { /* in a phase that there is not */
+            fmi2FreeInstance(it);
+            it = begun();
+        }
+        fmi2FreeFMUstate(it, &other);
+    }
+    free(bytes);
+    return 0;
+}
+#else
 int main(int count, char **words) {
     const fmi2ValueReference input = INPUT_REFERENCE;
     int tries = count > 2 ? atoi(words[1]) : 0, taken = 0;
@@ -90,3 +133,4 @@ int main(int count, char **words) {
     printf("%d tries, %d taken\n", tries, taken);
     return 0;
 }
+#endif

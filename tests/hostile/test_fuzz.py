@@ -168,23 +168,48 @@ def test_frames_are_read_or_damaged(fuzzed: Fuzzed) -> None:
     fuzzed(changed(seeds, r'"[^"]*"|[\d.]+|[\[\]{},:]|null|true') | st.text(), check)
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc brings the sanitizers")
-@pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
-def test_serialised_states_are_taken_or_refused(
-    model: str, tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def states(model: str, tmp_path: Path, compiler: list[str]) -> Path | None:
+    """Return a model's C and states.c as a program; None if it cannot be linked."""
     fmu = build(str(CORPUS.parents[1] / "fmus" / "small_models" / f"{model}.py"))
     described = read_fmu(fmu)
-    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
     with unpacked(fmu) as folder:
         sources = [*folder.glob("sources/*.c"), CORPUS.parent / "states.c"]
-        command = ["gcc", "-g", "-O1", "-std=gnu11", "-fsanitize=address,undefined"]
+        command = [*compiler, "-g", "-O1", "-std=gnu11"]
         command += ["-fno-sanitize-recover=all", f"-I{folder / 'sources'}"]
         command += [f'-DTOKEN="{described.token}"']
         command += [f"-DINPUT_REFERENCE={described[described.inputs[0]].reference}"]
         command += [str(file) for file in sources if file.stem != "all"]
         program = tmp_path / "states"
-        subprocess.run([*command, "-lm", "-o", str(program)], check=True)
+        done = subprocess.run([*command, "-lm", "-o", str(program)], check=False)
+    return program if done.returncode == 0 else None
+
+
+@pytest.mark.skipif(shutil.which("clang") is None, reason="clang brings libFuzzer")
+@pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
+def test_states_that_libfuzzer_finds_are_taken_or_refused(
+    model: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    sanitizers = "-fsanitize=fuzzer,address,undefined"
+    program = states(model, tmp_path, ["clang", sanitizers, "-DLIBFUZZER"])
+    if program is None:
+        pytest.skip("libFuzzer is not installed (libclang-rt-dev)")
+    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
+    number = int(sha256(seed().encode()).hexdigest()[:7], 16)
+    options = [f"-runs={tries}", f"-seed={number}", "-detect_leaks=1", "-timeout=20"]
+    command = [program, *options, "-max_len=96", f"-artifact_prefix={tmp_path}/"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert f"Done {tries} runs" in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc brings the sanitizers")
+@pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
+def test_serialised_states_are_taken_or_refused(
+    model: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    program = states(model, tmp_path, ["gcc", "-fsanitize=address,undefined"])
+    assert program
+    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
     number = str(int(sha256(seed().encode()).hexdigest()[:8], 16))
     done = subprocess.run(
         [program, str(tries), number], capture_output=True, text=True, check=False

@@ -66,6 +66,7 @@ EXPECTED = {
     "not a number": Expected(FAILED, "y is nan at t = 0.003 s"),
     "returns error": Expected(FAILED, "at t = 0.002 s returned Error"),
     "logs": Expected(FINE, "\\x1b[2J"),
+    "escapes": Expected(FINE, "", EITHER),
 }
 SAMPLE = {("exit 0", "none", "kernel"), ("crash", "process", "python")}
 CASES = [
@@ -73,7 +74,7 @@ CASES = [
         *case, marks=[pytest.mark.sample] if case in SAMPLE else [], id=" - ".join(case)
     )
     for how in HOW
-    for isolation in ("process", "none")
+    for isolation in ("process", "sandbox", "none")
     for executor in ("kernel", "python", "fused")
     for case in [(how, isolation, executor)]
 ]
@@ -136,7 +137,7 @@ def test_whatever_it_does_the_command_says_so_ends_and_leaves_nothing(
     said = " ".join(done.stderr.decode().replace("\n", " ").split())
     told = json.loads(done.stdout)
     expected = EXPECTED[how]
-    apart = isolation == "process"
+    apart = isolation != "none"
     inside = expected.apart if expected.inside is None else expected.inside
     words = expected.said if apart else expected.said_inside or expected.said
     codes = expected.apart if apart else inside

@@ -11,6 +11,7 @@ HOW = (
     *("crash in terminate", "crash in free", "hang in terminate", "beyond", "before"),
     *("stops", "unmarked", "forges", "hang", "exit 0", "exit 0 in constructor"),
     *("hang in free", "crash", "aborts", "not a number", "returns error", "logs"),
+    "escapes",
 )
 SLEEP = 1000 + os.getpid()  # s, by which "unmarked" of this process is known
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>

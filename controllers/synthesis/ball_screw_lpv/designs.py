@@ -4,6 +4,7 @@
     k_vib              K_vib(x_c) around it
     k_vib_one_region   K_vib(x_c, m_wor)
     k_vib_switched     the same on two regions, a file each
+    k_vib_smooth       the same in four that hand over smoothly, for proof alone
     k_track_damped     K_track for the drive that K_vib(0.4 m) damps
 
 Each is a data file beside the run-time controllers.  A design builds on the shipped
@@ -12,20 +13,24 @@ ones before it.
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import controllers.ball_screw_lpv
-from controllers.synthesis.ball_screw_lpv import k_track, k_vib, switching
+from controllers.synthesis.ball_screw_lpv import k_track, k_vib, smooth, switching
 from controllers.synthesis.ball_screw_lpv.plants import over_x
-from controllers.synthesis.lpv import linear, shipped
+from controllers.synthesis.lpv import linear, shipped, smooth_file
+from controllers.synthesis.lpv.descent import find_shares
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point, Problem
+from controllers.synthesis.lpv.smooth import Smooth, certified
 from controllers.synthesis.lpv.systems import GeneralisedPlant, System, continuous
 
 FOLDER = Path(controllers.ball_screw_lpv.__file__).parent
 DAMPED_AT = 0.4  # m
 DAMPED_W_V = 1e-4  # 1/V
+OVER_MASS = ["x_c", "m_wor"]
 WEIGHTS = {"W_f": k_vib.W_F, "W_v": k_vib.W_V, "eps": k_vib.EPS}
 
 
@@ -60,13 +65,19 @@ def vibration() -> Design:
 def one_region() -> Design:
     """Return the shipped K_vib over position and mass."""
     files = [read("k_vib_one_region.json")]
-    return shipped.read(switching.one_region(tracking()), files, ["x_c", "m_wor"])
+    return shipped.read(switching.one_region(tracking()), files, OVER_MASS)
 
 
 def switched() -> Design:
     """Return the shipped K_vib of two regions."""
     files = [read(f"k_vib_region_{i}.json") for i in (1, 2)]
-    return shipped.read(switching.two_regions(tracking()), files, ["x_c", "m_wor"])
+    return shipped.read(switching.two_regions(tracking()), files, OVER_MASS)
+
+
+def smooth_start() -> Smooth:
+    """Return what four smoothly switching controllers start from."""
+    begun = smooth.start(one_region())
+    return replace(begun, history=(certified(begun, begun.problem.points),))
 
 
 def dense_of(problem: Problem) -> tuple[tuple[Point, ...], ...]:
@@ -111,12 +122,18 @@ def _k_vib() -> dict[str, str]:
 
 def _k_vib_one_region() -> dict[str, str]:
     problem = switching.one_region(tracking())
-    return _made(problem, ["x_c", "m_wor"], ["k_vib_one_region.json"])
+    return _made(problem, OVER_MASS, ["k_vib_one_region.json"])
 
 
 def _k_vib_switched() -> dict[str, str]:
     files = ["k_vib_region_1.json", "k_vib_region_2.json"]
-    return _made(switching.two_regions(tracking()), ["x_c", "m_wor"], files)
+    return _made(switching.two_regions(tracking()), OVER_MASS, files)
+
+
+def _k_vib_smooth() -> dict[str, str]:
+    found, axes = find_shares(smooth_start()), (switching.WHOLE, switching.MASSES)
+    text = smooth_file.text(found, OVER_MASS, axes, k_vib.T_S, smooth.dense(), WEIGHTS)
+    return {"k_vib_smooth.json": text}
 
 
 DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
@@ -124,5 +141,6 @@ DESIGNS: Mapping[str, Callable[[], dict[str, str]]] = {
     "k_vib": _k_vib,
     "k_vib_one_region": _k_vib_one_region,
     "k_vib_switched": _k_vib_switched,
+    "k_vib_smooth": _k_vib_smooth,
     "k_track_damped": _k_track_damped,
 }

@@ -9,11 +9,11 @@ from functools import cache
 
 import numpy as np
 
-from controllers.synthesis.ball_screw_lpv import designs
+from controllers.synthesis.ball_screw_lpv import designs, smooth
 from controllers.synthesis.ball_screw_lpv.k_vib import T_S
 from controllers.synthesis.ball_screw_lpv.loops import NONE, Loop, crossing, held
 from controllers.synthesis.ball_screw_lpv.plants import over_x, over_x_and_mass
-from controllers.synthesis.lpv import linear
+from controllers.synthesis.lpv import linear, smooth_file
 from controllers.synthesis.lpv.design import Verdict
 from controllers.synthesis.lpv.frozen import frozen_optima
 from controllers.synthesis.lpv.systems import (
@@ -97,6 +97,19 @@ def switching_at(x_c: float, m_wor: float, regions: int = 2) -> dict[str, float]
         table = designs.one_region().tables[0]
     figures = _damping(over_x_and_mass(x_c, m_wor), table.at((x_c, m_wor)))
     return figures | {"t_bandwidth_hz": figures["t_bandwidth"] / (2 * np.pi)}
+
+
+def smooth_switching() -> dict[str, float]:
+    """Return the dense γ of four smoothly switching controllers, η before and after.
+
+    ``worst`` is the larger of the blend's γ and its table's.  η is that of
+    ``smooth_file.verified``, in transitions, in the units of the design of one region
+    (time in ms) and the states in which its storage function at 0.4 m, 5 kg is I.
+    """
+    content, begun = designs.read("k_vib_smooth.json"), designs.smooth_start()
+    dense, names = smooth.dense(), designs.OVER_MASS
+    found = smooth_file.verified(content, begun, names, dense)
+    return found | {"worst": max(found["dense"], found["table"])}
 
 
 @cache

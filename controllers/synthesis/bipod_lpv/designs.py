@@ -21,16 +21,17 @@ import numpy as np
 import controllers.bipod
 from controllers.synthesis.bipod_lpv import single, smooth
 from controllers.synthesis.lpv import shipped, smooth_file
+from controllers.synthesis.lpv.descent import descend
 from controllers.synthesis.lpv.design import Design, Verdict, verify
 from controllers.synthesis.lpv.problem import Point
-from controllers.synthesis.lpv.smooth import Smooth, descend
+from controllers.synthesis.lpv.smooth import Smooth
 
 FOLDER = Path(controllers.bipod.__file__).parent
 NAMES = ["phi", "v_1"]
 HYSTERESIS = ["k_hysteresis_1.json", "k_hysteresis_2.json"]
 STEPS = 3  # of the descent's step 1
 SMOOTH_DEG = {
-    "k_smooth": np.linspace(10.0, 80.0, 57),
+    "k_smooth": np.array(single.TABLE_DEG),
     "k_smooth_tuned": np.array(
         [10, 40, 55, 63, 67, 70, 71.35, 72.7, 74.05, 75.4, 77, 78.5, 80]
     ),

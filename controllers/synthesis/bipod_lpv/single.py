@@ -30,6 +30,7 @@ from plants.bipod._mechanism import Links, convective, damping, inertia
 
 W_E = ((1.0, 3359.0, 3.76e6, 1.40e9), (1.13, 134.0, 5325.0, 7.01e4))
 PHI_DEG = (10.0, 40.0, 55.0, 63.0, 68.0, 70.01, 72.7, 75.39, 77.0, 78.5, 79.3, 80.0)
+TABLE_DEG = tuple(float(x) for x in np.linspace(10.0, 80.0, 57))
 LOW_DEG, HIGH_DEG = 70.0, 75.4  # where two controllers meet
 FIRST_DEG = (
     *(10.0, 18.0, 25.0, 32.0, 40.0, 45.0, 50.0, 54.0, 58.0, 61.0, 63.0, 65.0, 66.5),
@@ -72,11 +73,13 @@ def problem(
     """
     p = Links() if links is None else links
     phi = tuple(float(np.deg2rad(value)) for value in phi_deg)
+    # with the printed weights K has poles at 1e5 rad/s, which bend between angles
+    table = phi if weights.on_nu else tuple(map(float, np.deg2rad(TABLE_DEG)))
     return Problem(
         plant=lambda rho: plant(rho, weights, p),
         regions=(Region(tied(phi, p), BASIS),),
         frozen=tuple((phi[k], v) for k in (0, len(phi) // 2, -1) for v in (-1.0, 1.0)),
-        axes=((phi, (-SPEED, SPEED)),),
+        axes=((table, (-SPEED, SPEED)),),
         T_s=T_S,
         decay=decay,
         back_off=1.05,

@@ -12,15 +12,21 @@ from controllers.synthesis.bipod_lpv import single
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.problem import Values
 from controllers.synthesis.lpv.smooth import Smooth, begin
-from controllers.synthesis.lpv.switching import Sided, Switching
+from controllers.synthesis.lpv.switching import (
+    Sided,
+    Switching,
+    Transition,
+    both_sides,
+)
 from controllers.synthesis.lpv.systems import Matrix
 from plants.bipod._mechanism import Links
 
-LOW_DEG, HIGH_DEG = 70.0, 75.4
+LOW_DEG, HIGH_DEG = single.LOW_DEG, single.HIGH_DEG
 UNIT = (float(np.deg2rad(72.0)), 1.0)  # ρ whose storage function is the unit
 BELOW_DEG = (10.0, 25.0, 40.0, 50.0, 58.0, 63.0, 66.0, 67.0, 68.0, 69.0)
 INSIDE, ABOVE = 9, 9  # points of the design within and beyond the transition
 DECAY = 1.0  # 1/s
+TRANSITION = Transition(0, float(np.deg2rad(LOW_DEG)), float(np.deg2rad(HIGH_DEG)))
 
 
 def problem(weights: single.Weights = single.PRINTED) -> Switching:
@@ -28,8 +34,7 @@ def problem(weights: single.Weights = single.PRINTED) -> Switching:
     p, printed = Links(), weights == single.PRINTED
     return Switching(
         plant=lambda rho: single.plant(rho, weights, p),
-        low=float(np.deg2rad(LOW_DEG)),
-        high=float(np.deg2rad(HIGH_DEG)),
+        transitions=(TRANSITION,),
         K_basis=_K_basis,
         P_basis=single.BASIS,
         points=points(BELOW_DEG, INSIDE, ABOVE),
@@ -54,17 +59,11 @@ def start(design: Design, weights: single.Weights = single.PRINTED) -> Smooth:
 
 def points(below_deg: tuple[float, ...], inside: int, above: int) -> tuple[Sided, ...]:
     """Return angles with both slopes at either end of the transition, ẋ_1 = ±1 m/s."""
-    low, high = np.deg2rad([LOW_DEG, HIGH_DEG])
+    low, high = TRANSITION.low, TRANSITION.high
     between = np.linspace(low, high, inside + 2)[1:-1]
     beyond = np.linspace(high, np.deg2rad(80.0), above + 1)[1:]
-    angles = [
-        *((phi, 0) for phi in np.deg2rad(below_deg)),
-        *((low, side) for side in (-1, 1)),
-        *((phi, 0) for phi in between),
-        *((high, side) for side in (-1, 1)),
-        *((phi, 0) for phi in beyond),
-    ]
-    return tuple(_sided(float(phi), v, side) for phi, side in angles for v in (-1, 1))
+    angles = both_sides(TRANSITION, np.deg2rad(below_deg), between, beyond)
+    return tuple(_sided(phi, v, side) for phi, side in angles for v in (-1, 1))
 
 
 def dense() -> tuple[Sided, ...]:
@@ -74,7 +73,7 @@ def dense() -> tuple[Sided, ...]:
 
 def _sided(phi: float, v: float, side: int) -> Sided:
     rate = -v / (2 * Links().L_s * np.cos(phi))
-    return Sided((phi, float(v)), (float(rate), 0.0), side)
+    return Sided((phi, float(v)), (float(rate), 0.0), (side,))
 
 
 def _K_basis(rho: Values) -> Matrix:

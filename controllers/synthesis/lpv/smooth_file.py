@@ -31,6 +31,7 @@ def text(
     T_s: float,
     dense: Sequence[Sided],
     weights: Mapping[str, Any] | None = None,
+    tried: Sequence[tuple[float, float]] = (),
 ) -> str:
     """Return the file.
 
@@ -40,6 +41,7 @@ def text(
         T_s: sample time (s).
         dense: points on which γ is judged.
         weights: what the problem was made of, for the run-time controller and reader.
+        tried: γ_d of a bisection, and what γ the descent came to.
     """
     units = found.start.units
     plain = [
@@ -52,10 +54,11 @@ def text(
         "dense": certified(found, dense),
         **({"weights": dict(weights)} if weights else {}),
         "history": list(found.history),
-        "low": found.problem.low,
-        "high": found.problem.high,
+        **({"gamma_d": [list(pair) for pair in tried]} if tried else {}),
+        "transitions": [list(t) for t in found.problem.transitions],
+        "free": list(found.free),
         "decay": found.problem.decay,
-        "rate_bound": rate_bound(found, dense),
+        "rate_bound": rate_bound(found, _bounded(found, dense)),
         "versions": shipped.versions(),
         "balance": balance,
         "T_K": found.T_K,
@@ -76,7 +79,8 @@ def read(content: Mapping[str, Any], begun: Smooth) -> Smooth:
         T_K=np.array(about["T_K"]),
         T=np.array(about["T"]),
         K=np.array(about["K"]),
-        P=np.array(about["P"]),
+        P=None if about["P"] is None else np.array(about["P"]),
+        free=tuple(about.get("free", begun.free)),
         history=tuple(about["history"]),
     )
 
@@ -99,9 +103,14 @@ def verified(
     def tabulated_K(rho: Values) -> System:
         return transformed(units.scaled(continuous(table.at(rho), table.T_s)), back)
 
+    bounded = _bounded(found, dense)
     return {
         "dense": certified(found, dense),
         "table": certified(found, dense, tabulated_K),
-        "eta_begun": rate_bound(begun, dense),
-        "eta": rate_bound(found, dense),
+        "eta_begun": rate_bound(begun, bounded),
+        "eta": rate_bound(found, bounded),
     }
+
+
+def _bounded(design: Smooth, dense: Sequence[Sided]) -> tuple[Sided, ...]:
+    return design.problem.bounded((*design.problem.points, *dense))

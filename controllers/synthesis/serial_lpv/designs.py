@@ -5,7 +5,7 @@ k_disturbed     the same with the disturbance as printed
 k_hysteresis    two controllers, switched with hysteresis, a file each
 k_smooth        two controllers and their smooth blend, by the source's descent
 
-the last two also as ``..._disturbed``, where the descent ends with its first step.
+the last two also as ``..._disturbed``.
 """
 
 import json
@@ -17,9 +17,16 @@ import numpy as np
 
 import controllers.serial
 from controllers.synthesis.lpv import shipped, smooth_file
-from controllers.synthesis.lpv.design import Design, Verdict, verify
+from controllers.synthesis.lpv.descent import (
+    bisect,
+    descend,
+    find_P,
+    find_slow_K,
+    reach,
+)
+from controllers.synthesis.lpv.design import Design, Verdict, lower_bound, verify
 from controllers.synthesis.lpv.problem import Point, grid
-from controllers.synthesis.lpv.smooth import Smooth, descend, find_P, find_slow_K
+from controllers.synthesis.lpv.smooth import Smooth, rate_bound
 from controllers.synthesis.serial_lpv import single, smooth
 
 FOLDER = Path(controllers.serial.__file__).parent
@@ -27,8 +34,10 @@ NAMES = ["x_c"]
 TRANSITION = np.linspace(smooth.LOW, smooth.HIGH, 17)  # K is affine outside
 AXIS = (0.2, 0.29, *(float(x) for x in TRANSITION), 0.51, 0.6)
 SCALE = {"": single.UNDISTURBED, "_disturbed": 1.0}  # of the disturbance
-STEPS = {"": 4, "_disturbed": 1}  # of the descent's step 1; step 2 stops the latter
+STEPS = 4  # of the descent's step 1, disturbance off
+AIM = 26.0  # γ_d before the option, disturbance on
 RELAXED = 1.01  # of γ, for the least rate of K
+WIDTH = {"": 0.02, "_disturbed": 0.06}  # of the bracket of γ_d
 DISTURBANCE = {"k_undisturbed": single.UNDISTURBED, "k_disturbed": 1.0}
 SINGLE = {"": "k_undisturbed", "_disturbed": "k_disturbed"}
 
@@ -78,10 +87,19 @@ def _hysteresis(case: str) -> list[str]:
 
 
 def _made_smooth(case: str) -> dict[str, str]:
-    found = descend(smooth_start(case), STEPS[case])
-    if not case:  # the option (6.46), and step 1 once more
-        found = find_P(find_slow_K(found, RELAXED))
-    text = smooth_file.text(found, NAMES, (AXIS,), single.T_S, smooth.dense())
+    """Make a smooth design: steps 1 to 3, the option (6.46), bisection of γ_d.
+
+    With the disturbance on step 2 stops the solver unless K's rate is bounded.
+    """
+    begun = smooth_start(case)
+    found = reach(find_P(begun), AIM, 0.0) if case else descend(begun, STEPS)
+    slow = find_P(find_slow_K(found, RELAXED))
+    eta = rate_bound(slow, slow.problem.points)
+    bound = lower_bound(begun.start.problem)
+    found, tried = bisect(slow, eta, bound, WIDTH[case])
+    text = smooth_file.text(
+        found, NAMES, (AXIS,), single.T_S, smooth.dense(), tried=tried
+    )
     return {f"k_smooth{case}.json": text}
 
 

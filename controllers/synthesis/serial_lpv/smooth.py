@@ -10,10 +10,16 @@ import numpy as np
 from controllers.synthesis.lpv.design import Design
 from controllers.synthesis.lpv.problem import polynomial
 from controllers.synthesis.lpv.smooth import Smooth, begin
-from controllers.synthesis.lpv.switching import Sided, Switching
+from controllers.synthesis.lpv.switching import (
+    Sided,
+    Switching,
+    Transition,
+    both_sides,
+)
 from controllers.synthesis.serial_lpv import single
 
 LOW, HIGH = single.LOW, single.HIGH
+TRANSITION = Transition(0, LOW, HIGH)
 BELOW, INSIDE = (0.2, 0.245, 0.29, 0.335), (0.39, 0.4, 0.41)
 ABOVE = (0.465, 0.51, 0.555, 0.6)
 DECAY = 0.05  # 1/s
@@ -23,8 +29,7 @@ def problem(disturbance: float = single.UNDISTURBED) -> Switching:
     """Return what the descent is told; ``disturbance`` scales f."""
     return Switching(
         plant=single.plant(disturbance),
-        low=LOW,
-        high=HIGH,
+        transitions=(TRANSITION,),
         K_basis=lambda rho: np.array([1.0, (rho[0] - 0.4) / 0.2]),
         P_basis=polynomial(0.4, 0.2, 1),
         points=points(BELOW, INSIDE, ABOVE),
@@ -45,15 +50,9 @@ def points(
     below: tuple[float, ...], inside: tuple[float, ...], above: tuple[float, ...]
 ) -> tuple[Sided, ...]:
     """Return positions with both slopes at either end of the transition, two rates."""
-    positions = [
-        *((x, 0) for x in below),
-        *((LOW, side) for side in (-1, 1)),
-        *((x, 0) for x in inside),
-        *((HIGH, side) for side in (-1, 1)),
-        *((x, 0) for x in above),
-    ]
+    positions = both_sides(TRANSITION, *map(np.array, (below, inside, above)))
     rates = (-single.SPEED, single.SPEED)
-    return tuple(Sided((float(x),), (v,), side) for x, side in positions for v in rates)
+    return tuple(Sided((x,), (v,), (side,)) for x, side in positions for v in rates)
 
 
 def dense() -> tuple[Sided, ...]:

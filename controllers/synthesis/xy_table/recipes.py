@@ -37,3 +37,15 @@ def p_pi(
     T_sigma = tau + (latency + 1.5) * T_s
     found = recipes.cascade(1 / b, T_sigma, np.deg2rad(phase_margin_deg), damping)
     return {"k_v": found.K_v, "k_p": found.velocity.K_p, "k_i": found.velocity.K_i}
+
+
+def speed_pi(
+    b: float,
+    tau: float,
+    T_s: float = 5e-4,
+    latency: float = 0.0,
+    phase_margin_deg: float = 45.0,
+) -> dict[str, float]:
+    """Return k_p (V s/mm) and k_i (V/mm) alone, arguments as of ``p_pi``."""
+    found = p_pi(b, tau, T_s, latency, phase_margin_deg)
+    return {name: found[name] for name in ("k_p", "k_i")}

@@ -12,12 +12,14 @@ from typer.testing import CliRunner
 from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import Constraint, parse_constraint
 from orchestrator.analysis.fit import Free
+from orchestrator.analysis.shots import Shots
 from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.tune import Space, tune
 from orchestrator.analysis.variations import Axis
 from orchestrator.cli import app
 from orchestrator.errors import FitError, TuneError
-from orchestrator.response.expected import respond
+from orchestrator.response.expected import loop, respond
+from orchestrator.response.figures import figures
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run, run_earlier
@@ -29,6 +31,7 @@ metrics.tracking.window = ["1/4", "1/2"]
 
 [responses]
 loop = { break = "controller.u", from = "4 Hz" }
+way = { excite = "plant.d", observe = "plant.y" }
 """
 BOUND = "loop.modulus_margin >= 0.4"
 
@@ -57,8 +60,9 @@ def test_tuned_gains_keep_their_margin_in_the_worst_variation(
     told = json.loads(done.stdout)
     heir = Path(told["scenario"])
     assert told["best"].keys() == {"controller.k_v", "controller.k_p"}
-    figures = respond(composed(heir)).figures
-    assert figures["loop.modulus_margin"].value >= 0.4
+    composition = composed(heir)
+    found = loop(composition, composition.scenario.spec.responses["loop"])
+    assert figures("loop", found)["loop.modulus_margin"].value >= 0.4
     values = tuple(np.linspace(0.9, 1.1, 3) * 78020.0)
     rows = sweep(heir, [Axis("plant.b", values)]).rows
     peaks = [row["tracking.peak"] for row in rows]
@@ -68,6 +72,63 @@ def test_tuned_gains_keep_their_margin_in_the_worst_variation(
     page = heir.with_suffix(".html").read_text()
     assert "before controller.u" in page
     assert "tuned controller.u" in page
+
+
+CASCADE = """
+base = "cascade_nppi/np_pi_split_0_7hz"
+stop = "1/4"
+METRICS
+[components.position.parameters]
+KO = 0
+[responses]
+both = { break = ["position.v_ref", "velocity.u"], from = "8 Hz" }
+inner = { break = "velocity.u", from = "8 Hz" }
+[tune.start]
+call = "controllers.synthesis.xy_table.recipes:p_pi"
+arguments = { b = "plant.b", tau = "plant.tau", phase_margin_deg = 60 }
+sets = "velocity"
+"""
+
+
+def test_bounds_are_kept_at_several_breaks_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A matrix of two breaks, one of them by itself, and a recipe to begin with."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "cascade.toml"
+    file.write_text(
+        CASCADE.replace("METRICS", "").replace('sets = "velocity"', 'sets = "position"')
+    )
+    refused = CliRunner().invoke(
+        app, ["tune", str(file), "--free", "velocity.k_p", "--minimise", "e.peak"]
+    )
+    assert "tune.start: k_p is no real parameter of position" in refused.output
+    file.write_text(CASCADE.replace(":p_pi", ":speed_pi").replace("METRICS", ""))
+    asked = ["--free", "velocity.k_p", "--minimise", "e.peak", "--generations", "1"]
+    refused = CliRunner().invoke(app, ["tune", str(file), *asked])
+    assert "a run failed: metrics.tracking: no row of plant.y" in refused.output
+    shorter = CASCADE.replace("METRICS", "metrics.tracking = false")
+    file.write_text(shorter.replace(":p_pi", ":speed_pi"))
+    composition = composed(file)
+    full = loop(composition, composition.scenario.spec.responses["both"])
+    shots = Shots(composition, full)
+    (shot,) = shots.take([{}])
+    shots.close()
+    wanted = figures("both", full)
+    for name in ("modulus_margin", "phase_margin_deg", "gain_margin_db", "s_max"):
+        assert shot.figure(name) == pytest.approx(
+            wanted[f"both.{name}"].value, rel=0.05
+        )
+    asked = ["--free", "velocity.k_p,velocity.k_i", "--minimise", "e.peak"]
+    asked += ["--subject-to", "both.phase_margin_deg >= 20", "--generations", "1"]
+    asked += ["--subject-to", "inner.modulus_margin >= 0.33", "--json"]
+    done = CliRunner().invoke(app, ["tune", str(file), *asked])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["start"].keys() == {"velocity.k_p", "velocity.k_i"}
+    found = respond(composed(Path(told["scenario"]))).figures
+    assert found["both.phase_margin_deg"].value >= 20
+    assert found["inner.modulus_margin"].value >= 0.33
 
 
 def test_a_published_scenario_is_inherited_from_by_its_name(tmp_path: Path) -> None:
@@ -135,6 +196,7 @@ def test_unknown_figures_are_refused(scenario: Path) -> None:
         ("trackin.peak", None, "no such metric"),
         ("tracking.peak", Constraint("loop.s_mx", -1, 2.0), "no such figure"),
         ("tracking.peak", Constraint("lop.s_max", -1, 2.0), "neither"),
+        ("tracking.peak", Constraint("way.peak", -1, 2.0), "breaks no loop"),
     ):
         with pytest.raises(TuneError, match=complaint):
             tune(

@@ -1,22 +1,29 @@
 """An FMU runs in this process if it was built here, whatever it says of itself."""
 
 import shutil
+import subprocess
+import sys
+import tomllib
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 from broken import MISBEHAVES, MODES, pack
 from systems import system
 
 from fmus.build import build
+from fmus.cache import digest
 from fmus.trust import is_trusted
 from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import read_fmu
 from orchestrator.instances.instance import LocalInstance
 from orchestrator.master.simulate import open_instance, simulate
 from orchestrator.result import Result
+from orchestrator.scenario.lock import LOCK
+from orchestrator.session import run
 from orchestrator.system import Component
 
 PI = Path(__file__).parents[2] / "fmus" / "small_models" / "pi.py"
@@ -40,6 +47,34 @@ def test_a_forged_fmu_cannot_end_the_process_of_the_run(tmp_path: Path) -> None:
     bad = Component("bad", forged, Fraction("1/1000"), parameters=parameters)
     with pytest.raises(SimulationError, match=r"bad.*ended with exit code 7"):
         simulate(system("1/100", [bad], record={"bad.y": "1/1000"}), tmp_path)
+
+
+def test_a_strangers_lock_with_its_digest_makes_no_fmu_trusted(tmp_path: Path) -> None:
+    """All that a stranger can write says that the FMU is ours and is the one locked."""
+    here, stranger = tmp_path / "here", tmp_path / "stranger"
+    here.mkdir()
+    scenario = {"stop": "1/100", "components": {"bad": {"fmu": str(PI)}}}
+    file = tmp_path / "s.toml"
+    scenario["record"] = {"bad.u": True}
+    file.write_text(tomli_w.dumps(scenario))
+    run(file, stranger, report=False)
+    forged = pack("misbehaves", MISBEHAVES.replace("<ModelVariables>", OURS), tmp_path)
+    shutil.copyfile(forged, stranger / "fmus" / "bad.fmu")
+    lock = tomllib.loads((stranger / LOCK).read_text())
+    lock["lock"]["digests"]["bad"] = digest(forged)
+    how = {"mode": MODES.index("exit"), "at": 0.005}
+    lock["components"]["bad"]["parameters"] = how
+    lock["components"]["bad"]["start"] = {}
+    lock["components"]["bad"]["kind"] = "continuous"
+    lock["record"] = {"bad.y": "1/1000"}
+    (stranger / LOCK).write_text(tomli_w.dumps(lock))
+    command = [sys.executable, "-m", "orchestrator", "run", str(stranger / LOCK)]
+    done = subprocess.run(
+        command, cwd=here, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1, done.stderr
+    said = " ".join(done.stderr.split())
+    assert "bad (bad.fmu): its process ended with exit code 7 during doStep" in said
 
 
 def test_what_was_built_here_is_known_under_any_name(tmp_path: Path) -> None:

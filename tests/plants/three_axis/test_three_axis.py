@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from controllers.synthesis.contouring_lpv import figures
 from controllers.synthesis.linearise import linearise
 from plants.three_axis import _axes, _axis, _values, planar, spatial
 
@@ -38,6 +39,44 @@ def test_an_axis_answers_as_its_printed_polynomials(name: str) -> None:
         expected = printed(source, s)
         assert got[0] == pytest.approx(expected, rel=1e-11)
         assert got[1] == pytest.approx(expected * per_newton, rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("name", "gains", "modes", "slowest"),
+    [
+        (
+            "x",
+            (0.0598905, 2.30689e-4, 1.13405e-5),
+            (338.03, 0.2295, 2018.5, 0.0361),
+            -72.876,
+        ),
+        (
+            "y",
+            (0.262082, 2.79697e-4, 1.74438e-5),
+            (341.36, 0.0442, 2034.1, 0.0145),
+            -15.076,
+        ),
+        (
+            "z",
+            (0.2028819, 8.40307e-5, 2.6894e-6),
+            (338.17, 0.0775, 943.4, 0.0678),
+            -14.711,
+        ),
+    ],
+)
+def test_gains_and_modes_are_those_of_the_dossier(
+    name: str,
+    gains: tuple[float, ...],
+    modes: tuple[float, ...],
+    slowest: float,
+) -> None:
+    """Gains (m/V) at 1, 50, 340 rad/s; two modes (rad/s, damping ratio)."""
+    found = figures.axis(name)
+    ours = [found[f"gain_{omega}"] for omega in (1, 50, 340)]
+    assert ours == pytest.approx(gains, rel=1e-5)
+    keys = ("omega_1", "zeta_1", "omega_2", "zeta_2")
+    assert [found[key] for key in keys] == pytest.approx(modes, rel=2e-3)
+    assert found["slowest"] == pytest.approx(slowest, abs=1e-3)
 
 
 def test_the_planar_machine_is_the_spatial_one_without_z() -> None:

@@ -11,6 +11,7 @@ from controllers.synthesis.ball_screw_lpv import (
     figures,
     k_track,
     k_vib,
+    smooth,
 )
 from controllers.synthesis.ball_screw_lpv.loops import Loop
 from controllers.synthesis.ball_screw_lpv.plants import (
@@ -19,7 +20,7 @@ from controllers.synthesis.ball_screw_lpv.plants import (
     over_x_and_mass,
 )
 from controllers.synthesis.linearise import linearise
-from controllers.synthesis.lpv import linear
+from controllers.synthesis.lpv import linear, smooth_file
 from controllers.synthesis.lpv.coordinates import suitable
 from controllers.synthesis.lpv.design import (
     Design,
@@ -29,6 +30,7 @@ from controllers.synthesis.lpv.design import (
     verify,
 )
 from controllers.synthesis.lpv.elimination import NoSolution, eliminate
+from controllers.synthesis.lpv.smooth import certified, rate_bound
 from controllers.synthesis.lpv.systems import System, continuous, response
 from plants.ball_screw_lpv import lpv, lpv_mass
 
@@ -247,3 +249,15 @@ def test_mass_model_has_the_switching_plant() -> None:
     ours = over_x_and_mass(0.3, 7.0)
     for found, M in zip((known.A, known.B, known.C), ours, strict=False):
         assert found == pytest.approx(M, rel=1e-12, abs=1e-15)
+
+
+def test_four_controllers_over_position_and_mass_certify_and_turn_more_slowly() -> None:
+    """Sec. 6.4: on 153 points with four vertices of their rates; α, β by 3-a, 3-b."""
+    begun = designs.smooth_start()
+    found = smooth_file.read(designs.read("k_vib_smooth.json"), begun)
+    dense = smooth.dense(17, 9)
+    on_grid = designs.one_region().gamma
+    assert on_grid < certified(found, dense) <= 9.75
+    between = begun.problem.bounded(begun.problem.points)
+    assert rate_bound(found, between) < 0.98 * rate_bound(begun, between)
+    assert all(found.free)
