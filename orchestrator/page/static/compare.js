@@ -31,7 +31,7 @@ function told(frame, draw) {
   const parts = [];
   if (frame.runs.length > 1) {
     parts.push(frame.differences.length
-      ? table("What differs", ["", "key", ...frame.runs],
+      ? table("What differs", ["part", "key", ...frame.runs],
         frame.differences.map((d) => [d.part, d.key, ...d.values]))
       : h("p", {}, "The locks are equal: same scenario, FMUs and versions."));
   }

@@ -90,7 +90,7 @@ export class Compose {
       `${u.input} = ${Number(u.value.toPrecision(6))} ${unitOf(u.unit)}`));
     return h("div", {},
       table("Every connection, its unit and its age when it is taken",
-        ["from", "to", "unit", "age", "remark", ""], rows),
+        ["from", "to", "unit", "age", "remark", "change"], rows),
       held.length ? h("details", {}, h("summary", {},
         `${held.length} inputs that nothing drives hold their start`), h("ul", {}, held)) : null,
       this.found.own ? this.connecting(place) : null, place);
@@ -142,7 +142,7 @@ export class Compose {
           onclick: () => this.edit({ do: "remove", name: c.name }, place) }, "Remove")) : "",
     ]);
     return h("div", {},
-      table("Components, each an FMU", ["name", "FMU", "kind", "step", "latency", "steps", ""], rows),
+      table("Components, each an FMU", ["name", "FMU", "kind", "step", "latency", "steps", "change"], rows),
       this.found.own ? this.adding(place) : null, place);
   }
 

@@ -74,7 +74,7 @@ function runs(found) {
     look.textContent = ticked.length > 1 ? `Compare ${ticked.length} runs` : "Show the ticked run";
   };
   return h("div", {}, h("div", { class: "line" }, look), table("Kept runs, the newest first",
-    ["", "run", "begun", "state", "changed", "figures", "report"],
+    ["tick", "run", "begun", "state", "changed", "figures", "report"],
     found.map((run) => [
       h("input", { type: "checkbox", "aria-label": `tick ${run.name}`,
         onchange: (event) => tick(run.name, event.target.checked) }),

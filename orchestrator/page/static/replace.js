@@ -75,7 +75,7 @@ export function replacing(found, component, done) {
           h("ul", {}, fmu.faults.map((text) => h("li", {}, text))))
         : h("p", { class: "good" }, `${fmu.checked} checks of its file found nothing; nothing of it was run.`),
       h("details", { open: true }, h("summary", {}, `${fmu.ports.length} ports and parameters`),
-        table(`Ports of ${fmu.name}`, ["name", "", "unit", "start", "description"],
+        table(`Ports of ${fmu.name}`, ["name", "causality", "unit", "start", "description"],
           fmu.ports.map((p) => [p.name, p.causality, unitOf(p.unit), p.start ?? "", p.about]))),
       h("label", { for: "map" }, "Map: our name = theirs. Proposed lines are guesses: check every one, above all gains and signs."),
       map, told,
