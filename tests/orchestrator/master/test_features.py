@@ -325,12 +325,6 @@ def carried_out(
         return dict(resumed(given, executor, folder))
     options = {"executor": executor, "pace": 1.0 if feature == PACE else None}
     done: Result = simulate(given, folder / executor, **options)  # type: ignore[arg-type]
-    if feature == PACE:
-        paced = done.timing and done.timing.paced
-        assert paced
-        assert done.timing.wall_s >= float(given.stop)
-        assert 0 <= paced.overruns <= paced.blocks
-        assert paced.blocks >= given.stop / Fraction(1, 1000)
     return dict(done)
 
 

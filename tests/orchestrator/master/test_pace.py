@@ -48,6 +48,16 @@ def test_blocks_end_when_the_clock_comes_to_them_and_late_ones_are_counted(
     assert clock.slept == pytest.approx([0.0, 0.75e-3])
 
 
+def test_a_run_takes_as_long_as_the_clock(tmp_path: Path) -> None:
+    given = system("1/20", [part("a", "counter", "1/4000")], {}, {"a.k": "1/4000"})
+    timing = simulate(given, tmp_path, pace=1.0).timing
+    assert timing
+    assert timing.paced
+    assert timing.wall_s >= 0.05
+    assert 50 <= timing.paced.blocks <= 201
+    assert 0 <= timing.paced.overruns <= timing.paced.blocks
+
+
 def test_what_is_no_pace_is_refused(tmp_path: Path) -> None:
     given = system("1/100", [part("a", "counter", "1/1000")], {}, {"a.k": "1/1000"})
     with pytest.raises(SimulationError, match=r"from 0\.001 to 1000; 1 is as fast"):
