@@ -10,7 +10,12 @@ from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.variations import Axis
 from orchestrator.drawings.page import write_figure
 from orchestrator.drawings.registry import read_registry
-from orchestrator.scenario.reading import find_study
+from orchestrator.master.simulate import plan
+from orchestrator.pictures.timetable import timetable_picture
+from orchestrator.pictures.wiring import wiring_picture
+from orchestrator.scenario.compose import compose
+from orchestrator.scenario.reading import find_study, load_scenario
+from orchestrator.supplied import PROJECT
 
 HERE = Path(__file__).parent
 UM_PER_RAD = 1e6 * 0.020 / (2 * np.pi)
@@ -44,6 +49,24 @@ def demo() -> None:
         axes.grid(alpha=0.3)
         axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(HERE / "pictures" / "demo.png", dpi=110)
+
+
+def compositions() -> None:
+    """Wiring of the gantry; timetables of a cascade and of rates that rarely meet."""
+    split = load_scenario(
+        f"{STUDY}/p_pi_split_track_500",
+        ["position.step=1 kHz", "velocity.step=4 kHz"],
+    )
+    rare = ["controller.step=200 us", "motor.step=125 us"]
+    own = load_scenario(PROJECT / "tests" / "speed_step.toml", rare)
+    gantry = load_scenario("gantry/circle_200")
+    for name, draw, scenario in (
+        ("wiring_gantry", wiring_picture, gantry),
+        ("timetable_cascade", timetable_picture, split),
+        ("timetable_125_200", timetable_picture, own),
+    ):
+        drawn = draw(plan(compose(scenario, None).system))
+        (HERE / "pictures" / f"{name}.svg").write_text(drawn, encoding="utf-8")
 
 
 def tracking_error(done: Result) -> np.ndarray:
@@ -140,6 +163,7 @@ def studies() -> None:
 
 if __name__ == "__main__":
     demo()
+    compositions()
     held()
     switching()
     rose()

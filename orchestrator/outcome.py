@@ -9,9 +9,10 @@ from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.reading import Scenario
+from orchestrator.shown import Shown
 
 
-class Run(Result):
+class Run(Result, Shown):
     """A finished run: recorded signals by name, and what was made of them.
 
     ``metrics`` are the figures of the scenario, ``checks`` its expectations;
@@ -21,6 +22,8 @@ class Run(Result):
     are what its user has to know of it, ``number`` is that of its folder if it has
     one.
     """
+
+    PAGE = "orchestrator.report.notebook:write_run"
 
     def __init__(
         self,
@@ -74,7 +77,8 @@ class Run(Result):
                 "real_time_factor": timing.real_time_factor,
                 "us_per_instant": timing.us_per_instant,
             }
-            | ({"profile": timing.profile.as_json()} if timing.profile else {}),
+            | ({"profile": timing.profile.as_json()} if timing.profile else {})
+            | ({"paced": asdict(timing.paced)} if timing.paced else {}),
             "result": str(self.folder),
         }
 

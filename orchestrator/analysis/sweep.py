@@ -21,6 +21,7 @@ from orchestrator.quantities.quantity import NoValue
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.session import naming, run_earlier
+from orchestrator.shown import framed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,6 +74,13 @@ class Sweep:
             for figure in row["broken"]:
                 counts[figure] = counts.get(figure, 0) + 1
         return counts
+
+    def _repr_html_(self) -> str:
+        from orchestrator.report.swept import write_swept
+
+        told = [f"{len(self.rows)} members, yield {100 * self.met:.4g} %"]
+        about = self.scenario, self.keys, self.rows, self.units
+        return framed(lambda file: write_swept(*about, {}, told, file))
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return one row per member (needs pandas)."""

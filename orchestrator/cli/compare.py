@@ -56,7 +56,7 @@ def compare(
     results = {k.label: Result(k.folder) for k in found if k.folder is not None}
     labels = [k.label for k in found]
     heads = {
-        "What differs": ["", "key", *labels],
+        "What differs": ["part", "key", *labels],
         "Figures": ["figure", *labels, *(["change"] if len(found) == 2 else [])],
     }
     rows = {"What differs": _told(apart), "Figures": _figures(found)}

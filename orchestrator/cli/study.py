@@ -173,6 +173,9 @@ def _bands(study: str) -> "list[Band]":
 
 
 def _print_bands(bands: "list[Band]") -> None:
+    if not bands:
+        echo("no figure of the study rests on what its source does not print")
+        return
     rows = [
         [
             band.row,

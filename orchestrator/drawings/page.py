@@ -1,6 +1,6 @@
 """Where a figure goes: a picture, or the page of a study with all of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,9 +11,10 @@ from orchestrator.drawings.registry import Drawn, Registry
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.folders.temporary import temporary_folder
 from orchestrator.reproduction.reproduce import Reproduction
+from orchestrator.reproduction.verdict import Figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as Picture
 
 FORMS = (".png", ".svg", ".html")
 STYLE = """
@@ -73,7 +74,7 @@ def write_figures(
     return file
 
 
-def _made(number: str, drawn: Drawn, maker: Maker) -> "Figure":
+def _made(number: str, drawn: Drawn, maker: Maker) -> "Picture":
     try:
         return picture(number, drawn, maker)
     except FeedDriveError as error:
@@ -123,8 +124,14 @@ def _tables(done: Reproduction) -> list[str]:
                     for f in found
                 )
             rows.append(f"<tr><td>{escape(name)}{cells}</tr>")
-        title = f"{table.where}: {table.title}"
+        units = {f.spec.unit for row in table.ids for c in row for f in _of(c, figures)}
+        (unit,) = units if len(units) == 1 else ("1",)
+        title = f"{table.where}: {table.title}" + f" ({unit})" * (unit != "1")
         parts.append(
             f"<h3>{escape(title)}</h3><table><tr><th>{head}</tr>{''.join(rows)}</table>"
         )
     return parts
+
+
+def _of(cell: Sequence[str | None], figures: Mapping[str, Figure]) -> list[Figure]:
+    return [figures[one] for one in cell if one is not None and one in figures]

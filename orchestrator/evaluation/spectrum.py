@@ -1,4 +1,4 @@
-"""Lines of a recorded signal's spectrum: the one asked for, or the strongest."""
+"""A recorded signal's spectrum, and lines of it: one asked for, or the strongest."""
 
 from typing import TypeAlias
 
@@ -24,6 +24,15 @@ def spectrum_line(
         "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
         "frequency": Quantity(float(lines[nearest]), "Hz"),
     }
+
+
+def amplitudes(time: Array, y: Array) -> tuple[Array, Array]:
+    """Return the lines (Hz) and the amplitude of the equivalent sine at each.
+
+    One-sided, Hann window; rows equally spaced.
+    """
+    lines, power = _spectrum(time, y)
+    return lines, np.sqrt(2 * power)
 
 
 def strongest_line(

@@ -5,7 +5,7 @@
 2. in dependency order: write inputs, read outputs, copy;
 3. where outputs depend on each other in a circle, solve for the inputs at
    which the circle was opened: repeated substitution, which reaches a fixed point
-   to the last bit where it gets there, else Newton (SciPy's hybrid method);
+   to the last bit where it gets there, else Newton's method (``newton.py``);
    refused with the circle's edges when neither converges;
 4. write all inputs, exit initialisation, compare what was written with what the
    FMU holds (``kept.py``), switch its logging off, read and copy once more.
@@ -21,11 +21,11 @@ from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.kept import held, refuse_changed
 from orchestrator.master.layout import Edge, Part, Wiring
+from orchestrator.master.newton import TOLERANCE, Refused, newton
 from orchestrator.master.order import initial_order
-from orchestrator.master.places import Copy, carry, store, views
+from orchestrator.master.places import Copy, carry, fitted, store, views
 from orchestrator.warned import warn
 
-TOLERANCE = 1e-12
 SUBSTITUTIONS = 200
 
 Vector = NDArray[np.float64]
@@ -147,7 +147,7 @@ def _solve(
 ) -> None:
     places, copies = list(unknown), list(unknown.values())
     start = vector[places].copy()
-    real = all(_is_real(wiring, place) for place in places)
+    real = all(is_real(wiring, place) for place in places)
     try:
         if _substitute(wiring, instances, vector, order, places, copies):
             return
@@ -192,7 +192,8 @@ def _substitute(
     return False
 
 
-def _is_real(wiring: Wiring, place: int) -> bool:
+def is_real(wiring: Wiring, place: int) -> bool:
+    """Tell whether the input at a place is a real number: others have no slope."""
     part = next(p for p in wiring.parts.values() if _owns(p, place))
     owners = [v for v in part.inputs for _ in range(v.size)]
     return owners[place - part.first_input].sort == "real"
@@ -206,21 +207,34 @@ def _newton(
     places: list[int],
     copies: list[Copy],
 ) -> bool:
-    """Seek the inputs of a circle; tell whether they were found, else leave them."""
-    from scipy.optimize import root
+    """Seek the inputs of a circle; tell whether they were found, else leave them.
 
-    def around(z: Vector) -> Vector:
+    Raises:
+        SimulationError: an FMU refuses what it is given.
+    """
+    seen = views(vector)
+
+    def around(z: Sequence[float]) -> Sequence[float]:
         vector[places] = z
-        _sweep(wiring, instances, vector, order, set(places))
-        values = [c.affine.gain * vector[c.source] + c.affine.offset for c in copies]
-        return np.array(values)
+        try:
+            _sweep(wiring, instances, vector, order, set(places))
+        except SimulationError as error:
+            raise Refused from error
+        values = [fitted(seen[c.from_][c.source], c.affine, c.to) for c in copies]
+        if not np.all(np.isfinite(values)):
+            raise Refused
+        return values
 
-    start = vector[places].copy()
-    newton = root(lambda z: around(z) - z, start, tol=TOLERANCE)
-    if newton.success and _settled(newton.x, around(newton.x)):
-        return True
-    vector[places] = start
-    return False
+    start = vector[places].tolist()
+    try:
+        found = newton(around, start)
+    except Refused as refused:
+        if refused.__cause__ is not None:
+            raise refused.__cause__ from None
+        found = None
+    if found is None:
+        vector[places] = start
+    return found is not None
 
 
 def _settled(before: Vector, after: Vector) -> bool:

@@ -179,7 +179,10 @@ class Table:
         n = int(self.count[0])
         if not n:
             return
-        columns = [self._column(values) for values in self._converted(n)]
+        columns = [
+            self._pa.Array.from_buffers(kind, n, [None, self._pa.py_buffer(values)])
+            for kind, values in zip(self._schema.types, self._converted(n), strict=True)
+        ]  # on the same memory (pa.array imports pandas)
         self.count[0] = 0
         try:
             batch = self._pa.record_batch(columns, schema=self._schema)
@@ -201,12 +204,6 @@ class Table:
             return self._file.tell()
         except OSError as error:
             raise _full(self.path, error) from None
-
-    def _column(self, values: NDArray[Any]) -> Any:
-        """Return an Arrow array on the same memory (``pa.array`` imports pandas)."""
-        buffers = [None, self._pa.py_buffer(values)]
-        kind = getattr(self._pa, values.dtype.name)()
-        return self._pa.Array.from_buffers(kind, len(values), buffers)
 
     def _converted(self, n: int) -> Iterator[NDArray[Any]]:
         yield self.time[:n]

@@ -18,7 +18,7 @@ import numpy as np
 from orchestrator.report.figure import decimate
 from orchestrator.report.panels import Array, Curve
 
-MOST = 4_000_000  # numbers in a page, about 30 MB at the worst
+MOST = 6_000_000  # numbers in a page, about 60 MB at the worst
 SCRIPT = Path(__file__).parent / "zoom.js"
 EVEN = 1e-6  # of a step; how evenly spaced times are given by two numbers
 

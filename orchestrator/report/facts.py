@@ -15,7 +15,9 @@ from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.master.faults import describe
 from orchestrator.master.layout import kind_of
+from orchestrator.master.simulate import plan
 from orchestrator.master.undriven import in_words
+from orchestrator.pictures.bundles import wires
 from orchestrator.quantities.quantity import rate
 from orchestrator.system import Component
 
@@ -35,11 +37,12 @@ def what_ran(run: "Run", label: str) -> str:
         row for name in run.composition.system.components for row in _set(run, name)
     ]
     head = ["parameter", "value", "unit", "from", "description"]
-    links = [[escape(k), escape(v)] for k, v in _connections(run)]
+    links = [[escape(cell) for cell in row] for row in _connections(run)]
+    taking = ["input", "takes", "unit, gain, fault", "age when taken (us)"]
     return (
         (f"<p>Changed{of}: {told}.</p>" if told else "")
         + _folded(f"Parameters{of}", table(head, rows))
-        + _folded(f"Connections{of}", table(["input", "takes"], links))
+        + _folded(f"Connections{of}", table(taking, links))
     )
 
 
@@ -47,12 +50,15 @@ def _folded(title: str, content: str) -> str:
     return f"<details><summary>{title}</summary>{content}</details>"
 
 
-def _connections(run: "Run") -> Iterator[tuple[str, str]]:
-    system = run.composition.system
-    yield from system.connections.items()
+def _connections(run: "Run") -> Iterator[list[str]]:
+    """Yield every connection with units, what is done to the value, and its age."""
+    for wire in wires(plan(run.composition.system)):
+        low, high = (f"{float(t * 10**6):g}" for t in (wire.youngest, wire.oldest))
+        age = low if low == high else f"{low} to {high}"
+        yield [wire.sink, wire.source, wire.conversion, age]
     for sink, source in run.scenario.spec.connections.items():
         if isinstance(source, int | float):
-            yield sink, _short(source)
+            yield [sink, _short(source), _unit(run, sink), ""]
 
 
 def _set(run: "Run", name: str) -> Iterator[list[str]]:

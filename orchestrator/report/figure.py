@@ -16,6 +16,7 @@ from orchestrator.report.panels import Array, Curve, Panel, panels
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
 
+TINY = 1e-300  # Plotly fails at axes that would span denormal numbers
 MARKED = 250  # points up to which each has its mark
 POINTS = 3000  # two of each stretch that zoom.js draws
 # each has a contrast above 3 to white and to the dark page
@@ -62,7 +63,7 @@ def drawn(shown: Sequence[Panel], *, overlaid: bool) -> Drawing:
             plot.add_trace(
                 go.Scatter(
                     x=time,
-                    y=values,
+                    y=np.where(np.abs(values) < TINY, 0.0, values),
                     name=curve.label,
                     mode="lines+markers" if len(time) <= MARKED else "lines",
                     line=_line(curve, overlaid, styles),

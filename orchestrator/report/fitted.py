@@ -8,8 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.report.facts import table
 from orchestrator.report.figure import decimate
-from orchestrator.report.swept import HELD, STYLE
+from orchestrator.report.shell import shown, written
+from orchestrator.report.swept import HELD
 
 Array = NDArray[np.float64]
 MEASURED = "#888"
@@ -36,29 +38,10 @@ def write_fitted(
     path: Path,
 ) -> Path:
     """Write the page and return its path; rows up to ``until`` (s) were used."""
-    cells = "".join(
-        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
-        for row in rows
-    )
-    names = "".join(f"<th>{escape(name)}</th>" for name in head)
-    told = "".join(f"<p>{escape(line)}</p>" for line in words)
-    parts = []
-    for i, signal in enumerate(signals):
-        parts.append(
-            _picture(time, until, signal).to_html(
-                full_html=False,
-                include_plotlyjs=i == 0,
-                config={"displaylogo": False, "responsive": True},
-            )
-        )
-    path.write_text(
-        f"<!doctype html><meta charset=utf-8><title>{escape(title)}</title>"
-        f"<style>{STYLE}td,th{{padding:.2rem 1rem .2rem 0;text-align:left}}</style>"
-        f"<h1>{escape(title)}</h1><table><tr>{names}</tr>{cells}</table>{told}"
-        f"{''.join(parts)}",
-        encoding="utf-8",
-    )
-    return path
+    told = [f"<p>{escape(line)}</p>" for line in words]
+    listed = table(head, [[escape(cell) for cell in row] for row in rows])
+    pictures = (shown(_picture(time, until, signal)) for signal in signals)
+    return written(title, [listed, *told, *pictures], path)
 
 
 def _picture(time: Array, until: float, signal: Compared) -> Any:

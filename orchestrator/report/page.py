@@ -13,6 +13,7 @@ import numpy as np
 
 from orchestrator.errors import ScenarioError
 from orchestrator.evaluation.compare import change
+from orchestrator.report.analysed import analysed
 from orchestrator.report.composed import composed
 from orchestrator.report.contour import contours
 from orchestrator.report.facts import computed, table, what_ran
@@ -62,6 +63,7 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         _metrics(runs),
         "<h2>Signals</h2>",
         signals(drawing),
+        *_analysed(runs),
         *_contours(runs),
         *composed(runs),
         *(
@@ -72,6 +74,11 @@ def write_report(runs: "Sequence[Run]", path: Path, title: str | None = None) ->
         ),
     ]
     return written(heading, body, path)
+
+
+def _analysed(runs: "Sequence[Run]") -> list[str]:
+    plots = analysed(runs)
+    return ["<h2>Errors and control signals</h2>", *plots] if plots else []
 
 
 def _contours(runs: "Sequence[Run]") -> list[str]:

@@ -8,7 +8,9 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.report.swept import FAILED, HEIGHT, HELD, STYLE
+from orchestrator.report.facts import table
+from orchestrator.report.shell import shown, written
+from orchestrator.report.swept import FAILED, HEIGHT, HELD
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -87,32 +89,12 @@ def _page(
     pictures: Sequence[Any],
     path: Path,
 ) -> Path:
-    told = "".join(f"<p>{escape(line)}</p>" for line in words)
-    shown = "".join(_table(head, rows) for head, rows in tables)
-    parts = [
-        picture.to_html(
-            full_html=False,
-            include_plotlyjs=i == 0,
-            config={"displaylogo": False, "responsive": True},
-        )
-        for i, picture in enumerate(pictures)
+    told = [f"<p>{escape(line)}</p>" for line in words]
+    listed = [
+        table(head, [[escape(cell) for cell in row] for row in rows])
+        for head, rows in tables
     ]
-    path.write_text(
-        f"<!doctype html><meta charset=utf-8><title>{escape(title)}</title>"
-        f"<style>{STYLE}td,th{{padding:.2rem 1rem .2rem 0;text-align:left}}</style>"
-        f"<h1>{escape(title)}</h1>{shown}{told}{''.join(parts)}",
-        encoding="utf-8",
-    )
-    return path
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    names = "".join(f"<th>{escape(name)}</th>" for name in head)
-    cells = "".join(
-        f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
-        for row in rows
-    )
-    return f"<table><tr>{names}</tr>{cells}</table>"
+    return written(title, [*listed, *told, *map(shown, pictures)], path)
 
 
 def _line(style: Style, dash: str = "solid", number: int = 0) -> dict[str, Any]:

@@ -11,15 +11,11 @@ from typing import Any
 
 from orchestrator.evaluation.schema import Expectation
 from orchestrator.quantities.quantity import Quantity
+from orchestrator.report.shell import shown, written
 
 HEIGHT = 420
 FAILED = "#d1495b"
-HELD = "#1f5fa8"
-STYLE = (
-    "body{font-family:system-ui,sans-serif;max-width:70rem;margin:2rem auto;"
-    "padding:0 1rem;color:#222}h1{font-size:1.4rem}.bad{color:#d1495b}"
-    "@media print{body{max-width:none}}"
-)
+HELD = "#2f78c4"
 
 
 def write_swept(
@@ -32,23 +28,9 @@ def write_swept(
     path: Path,
 ) -> Path:
     """Write the page and return its path; ``words`` are said above the pictures."""
-    parts = []
-    for i, figure in enumerate(_pictures(keys, rows, units, expect)):
-        parts.append(
-            figure.to_html(
-                full_html=False,
-                include_plotlyjs=i == 0,
-                config={"displaylogo": False, "responsive": True},
-            )
-        )
-    told = "".join(f"<p>{escape(line)}</p>" for line in words)
-    body = f"<h1>{escape(name)}</h1>{told}{''.join(parts)}"
-    path.write_text(
-        f"<!doctype html><meta charset=utf-8><title>{escape(name)}</title>"
-        f"<style>{STYLE}</style>{body}",
-        encoding="utf-8",
-    )
-    return path
+    told = [f"<p>{escape(line)}</p>" for line in words]
+    pictures = _pictures(keys, rows, units, expect)
+    return written(name, [*told, *map(shown, pictures)], path, whole=True)
 
 
 def _pictures(

@@ -3,7 +3,7 @@
  * the page as embedded.py writes them. */
 "use strict";
 (async () => {
-  const BUCKETS = 1500, MARKED = 250;
+  const BUCKETS = 1500, MARKED = 250, TINY = 1e-300;
   const plot = document.getElementById("signals");
   const told = document.getElementById("drawn");
   const { curves: stored, coarse } = JSON.parse(
@@ -11,9 +11,9 @@
   const number = (n) => n.toLocaleString("en-US");
 
   async function decoded(text, n) {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const packed = await fetch(`data:application/octet-stream;base64,${text}`);
     const inflate = new DecompressionStream("deflate");
-    const stream = new Blob([bytes]).stream().pipeThrough(inflate);
+    const stream = (await packed.blob()).stream().pipeThrough(inflate);
     const planes = new Uint8Array(await new Response(stream).arrayBuffer());
     const raw = new Uint8Array(8 * n);
     for (let byte = 0; byte < 8; byte++)
@@ -63,12 +63,15 @@
     return { count, kept: [...kept.add(last)] };
   }
 
+  /* Plotly fails at axes that would span denormal numbers. */
+  const plain = (value) => (Math.abs(value) < TINY ? 0 : value);
+
   /* Draw what `axis` shows; all time axes show the same. */
   function draw(curves, axis) {
     const { autorange, range } = plot.layout[axis];
     const [from, to] = autorange === false ? range : [-Infinity, Infinity];
     const drawn = curves.map((curve) => thinned(curve, from, to));
-    const taken = (key) => (c, i) => drawn[i].kept.map((k) => c[key][k]);
+    const taken = (key) => (c, i) => drawn[i].kept.map((k) => plain(c[key][k]));
     const few = (d) => (d.count <= MARKED ? "lines+markers" : "lines");
     const axes = Object.keys(plot.layout).filter((key) => /^xaxis\d*$/.test(key));
     const view = axes.flatMap((key) =>

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 from orchestrator.quantities.unit import UndefinedUnit, Unit, quotient_unit, unit_of
 from orchestrator.response.margins import Margins, margins, peak
+from orchestrator.shown import Shown
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -20,7 +21,7 @@ FALLEN = 1 / np.sqrt(2)  # of the gain at the lowest line, where a bandwidth end
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class Measured(Shown):
     """At which lines ``hz`` what was excited, and how sure what answers is.
 
     ``breaks`` are the places that were excited, with their ``units``; ``half`` is the
@@ -44,6 +45,7 @@ class Measured:
     slower: str | None
     range: Real
     measured: tuple[float, float]
+    PAGE = "orchestrator.response.notebook:write_measured"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,6 +29,7 @@ from orchestrator.scenario.inherit import inherit
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
 from orchestrator.scenario.takeover import TABLES
+from orchestrator.shown import Shown
 from orchestrator.toml import read_toml_text, toml
 
 STUDIES = Path(__file__).parents[1] / "studies"
@@ -39,7 +40,7 @@ _NOT_SCENARIOS = ("reference.toml", "figures.toml", "bands.toml")
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(Shown):
     """A validated scenario: its name, its file, what it says after overrides.
 
     ``swapped`` are its swaps, written ``component=fmu``; ``carried`` the values, by
@@ -53,6 +54,7 @@ class Scenario:
     overrides: tuple[str, ...] = ()
     swapped: tuple[str, ...] = ()
     carried: Mapping[str, Mapping[str, tuple[str, ...]]] = field(default_factory=dict)
+    PAGE = "orchestrator.report.notebook:write_scenario"
 
     def beside(self, name: str) -> str:
         """Return the full name or path of a scenario named from within this one."""

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from limit import limit_source
-from workloads import STEPS, system
+from workloads import STEPS, driven, system
 
 from fmus.compile import FLAGS
+from orchestrator.exchange.whole.export import export_whole
 from orchestrator.master.simulate import plan
 from orchestrator.peers.environment import PEERS, install
 from orchestrator.peers.second_opinion import peer_job
@@ -51,6 +52,24 @@ def limit(workload: str, steps: int, folder: Path) -> Run:
 def container(workload: str, steps: int, folder: Path) -> Run:
     program = _contained(workload, steps, folder)
     return _told([str(program), str(folder / "container.rows")])
+
+
+def one_fmu(workload: str, steps: int, folder: Path) -> Run:
+    program = _exported(steps, folder)
+    return _told([str(program), str(folder / "whole.rows")])
+
+
+@cache
+def _exported(steps: int, folder: Path) -> Path:
+    """Return a C loop on the one FMU that we make of the drive."""
+    place = folder / f"whole-{steps}"
+    composition = driven()
+    fmu = export_whole(composition, place / "whole.fmu")
+    (period,) = {c.period for c in composition.system.components.values()}
+    whole = {"whole": Component("whole", fmu, period)}
+    rows = {f"whole.{name}": (period,) for name in composition.system.record}
+    given = System("whole", steps * period, whole, {}, rows)
+    return compiled(given, place / "loop")
 
 
 @cache
@@ -131,6 +150,7 @@ RUNNERS: Mapping[str, Callable[[str, int, Path], Run]] = {
     "C loop": limit,
     "kernel": ours("kernel"),
     "fused": ours("fused"),
+    "one FMU": one_fmu,
     "python executor": ours("python"),
     "fmucontainer": container,
     "ecos": peer("ecospy", "ecos.py"),

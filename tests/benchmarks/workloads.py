@@ -5,7 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from fmus.build import build
-from orchestrator.scenario.compose import compose
+from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
 from orchestrator.system import Component, System
@@ -50,6 +50,10 @@ def drive(steps: int) -> System:
     The peers add samples to the loop, which would make it unstable; the
     arithmetic is the same without.
     """
+    return replace(driven().system, stop=Fraction(steps, 20_000))
+
+
+def driven() -> Composition:
+    """Return the scenario of the drive with its gains set to 0."""
     scenario = load_scenario(DRIVE, [f"controller.{gain}=0" for gain in OPEN])
-    found = compose(scenario, run_earlier).system
-    return replace(found, stop=Fraction(steps, 20_000))
+    return compose(scenario, run_earlier)

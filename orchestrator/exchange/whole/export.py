@@ -2,8 +2,8 @@
 
 Inside is the loop of the fused executor with our models as equations, behind the
 adapters of our FMUs, which take it for one model: any rates, offsets, latencies,
-faults, initial circles that settle by substitution.  What an output shows is what
-``run`` records at that time, bit for bit.
+faults, initial circles.  What an output shows is what ``run`` records at that time,
+bit for bit.
 
 An outside input is read by a continuous component at the step it drives, by a sampled
 one an outer step later: its tick at the end of a step sees what was set before that

@@ -234,8 +234,8 @@ class WholeSource(Source):
         if name in self.own:
             yield from super()._evaluated(name)
         else:
-            yield from self._written(self.foreign[name], "0")
-            yield from self._told(name)
+            for line in (*self._written(self.foreign[name], "0"), *self._told(name)):
+                yield line.replace("return 0;", "bad += NAN;")
 
     def _left(self, name: str) -> Iterator[str]:
         if name in self.own:

@@ -23,7 +23,7 @@ def model_table(
     """
     outside = tables.outside
     hidden = [f"a value inside {name}" for name in tables.source.parts]
-    hidden.append("what is left of an initial circle after substitution")
+    hidden.append("what is left of an initial circle")
     named = [
         (one.name, BLOCKS[one.role], int(one.boolean), one.role == "parameter")
         for one in outside

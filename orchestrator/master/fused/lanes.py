@@ -42,7 +42,8 @@ Start: TypeAlias = Mapping[str, FloatArray]  # values of the components that dif
 class Member:
     """One run: its recorded signals, or why there are none.
 
-    ``unsettled``: its initial circle needs Newton's method; run it for itself.
+    ``unsettled``: its initial circle, or one beside it, was not solved; run it for
+    itself, which says why.
     """
 
     signals: Recorded = field(default_factory=lambda: Recorded({}))

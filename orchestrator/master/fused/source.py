@@ -6,13 +6,15 @@ other FMUs stay calls of the kernel.  Parameters, start values, dead times and
 rows are data: one source serves every run of its structure, and any number of
 lanes W that it is compiled for.
 
-    engine_start   initialisation in lanes (parts in order, circles by substitution)
+    engine_start   initialisation in lanes (parts in order, circles by circle.h)
     engine_run     instants of a stretch, as ``kernel_run``
 """
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from fmus.equations import Equations
+from orchestrator.master.fused.beside import Pair, pairs
 from orchestrator.master.fused.own import (
     Own,
     affine_text,
@@ -24,12 +26,13 @@ from orchestrator.master.fused.own import (
     values_read,
     written,
 )
-from orchestrator.master.initialise import SUBSTITUTIONS, places_opened
+from orchestrator.master.initialise import SUBSTITUTIONS, is_real, places_opened
 from orchestrator.master.order import initial_order
 from orchestrator.master.places import Copy
 from orchestrator.master.timetable import Op, Program, Timetable, table_name
 from orchestrator.native.library import CODES
 
+OPENED = 64  # numbers of a circle in lanes at most
 FEW = 4  # copies of one model that are inlined; more are calls of one function
 _CODE = {name: i for i, name in enumerate(CODES)}
 _CODE |= {"advance": _CODE["step"], "tick": _CODE["step"]}
@@ -63,6 +66,8 @@ class Source:
         for stretch in timetable.stretches():
             for program in stretch.entries:
                 self.programs.setdefault(program, len(self.programs))
+        count = Counter(own.model for own in self.own.values())
+        self._often = {model for model, n in count.items() if n > FEW}
 
     @property
     def whole(self) -> bool:
@@ -71,10 +76,12 @@ class Source:
 
     def text(self) -> str:
         """Return the source."""
+        few = {n: own for n, own in self.own.items() if own.model not in self._often}
+        known: dict[str, Pair] = {}
         programs = [
             line
             for program, number in self.programs.items()
-            for line in self._program(number, program)
+            for line in self._program(number, program, pairs(program, few, known))
         ]
         return "\n".join(
             [
@@ -87,6 +94,7 @@ class Source:
                 '#include "called.h"',
                 "#endif",
                 *self._models(),
+                *(line for pair in known.values() for line in pair.text()),
                 *programs,
                 *self._dispatch(),
                 *self._adopted(),
@@ -99,23 +107,30 @@ class Source:
     # models
 
     def _models(self) -> Iterator[str]:
-        count: dict[int, int] = {}
-        for own in self.own.values():
-            count[own.model] = count.get(own.model, 0) + 1
         done = set[int]()
         for own in self.own.values():
             if own.model not in done:
                 done.add(own.model)
-                yield from model(own, count[own.model] > FEW)
+                yield from model(own, own.model in self._often)
 
     # programs
 
-    def _program(self, number: int, program: Program) -> Iterator[str]:
+    def _program(
+        self, number: int, program: Program, found: Mapping[int, tuple[int, Pair]]
+    ) -> Iterator[str]:
         yield f"static int program_{number}(Engine *e, int64_t k, double t) {{"
         yield "    V *const z = e->vector;"
         yield "    (void)z, (void)k, (void)t;"
-        for op in program:
-            yield from (f"    {line}" for line in self._operation(op))
+        beside = {tick: pair.sampled for tick, pair in found.values()}
+        for i, op in enumerate(program):
+            if i in found:
+                pair = found[i][1]
+                lines = [pair.call, *self._went_on(pair.continuous)]
+            elif i in beside:
+                lines = list(self._went_on(beside[i]))
+            else:
+                lines = list(self._operation(op))
+            yield from (f"    {line}" for line in lines)
         yield "    return 1;"
         yield "}"
 
@@ -158,7 +173,10 @@ class Source:
         here = f"e->parts[{own.index}]"
         yield f"if (!{step})"
         yield f"    return stopped(e, {here}.failure, {own.index}, k);"
-        yield f"if (!go_on(e, {here}.wrong, {own.index}, k))"
+        yield from self._went_on(own)
+
+    def _went_on(self, own: Own) -> Iterator[str]:
+        yield f"if (!go_on(e, e->parts[{own.index}].wrong, {own.index}, k))"
         yield "    return 0;"
 
     def _read(self, own: Own) -> Iterator[str]:
@@ -234,17 +252,25 @@ class Source:
     def _start(self) -> Iterator[str]:
         order, edges = initial_order(self.wiring)
         opened = places_opened(self.wiring, edges)
-        yield "static int sweep(Engine *e) {"
-        yield "    V *const z = e->vector;"
+        if opened:
+            yield f"enum {{ CIRCLE = {len(opened)}, SUBSTITUTIONS = {SUBSTITUTIONS} }};"
+            yield '#include "circle.h"'
+        yield "/* NaN in the lanes where an input is given what is not finite */"
+        yield "static V sweep(Engine *e) {"
+        yield "    V *const z = e->vector, bad = (V)0.0;"
+        yield "    (void)z;"
         for name in order:
             copies = self.wiring.parts[name].copies
             kept = [c for c in copies if c.sink not in opened]
             lines = [*self._evaluated(name), *self._copied(kept)]
+            lines += [f"bad += z[{c.sink}] - z[{c.sink}];" for c in kept]
             yield from (f"    {line}" for line in lines)
-        yield "    return 1;"
+        yield "    return bad;"
         yield "}"
         yield "EXPORTED int engine_start(Engine *e) {"
         yield "    V *const z = e->vector;"
+        yield "    (void)z;"
+        yield "    e->failure = FINE;"
         for name in self.parts:
             yield from (f"    {line}" for line in self._entered(name))
         yield from self._circles(opened)
@@ -291,24 +317,31 @@ class Source:
         yield from published(own)
 
     def _circles(self, opened: Mapping[int, Copy]) -> Iterator[str]:
-        """Write the sweeps: one, or until what was opened stands still in all lanes."""
+        """Write the sweeps: one, or until every lane has found its inputs."""
         if not opened:
-            yield "    if (!sweep(e)) return 0;"
+            yield "    sweep(e);"
+            yield "    if (e->failure) return 0;"
             return
-        n = len(opened)
-        yield "    for (int round = 0, unlike = 1; unlike; round++) {"
-        yield f"        V before[{n}];"
+        if len(opened) > OPENED:
+            yield "    return stopped(e, UNSETTLED, 0, 0);"
+            return
+        yield "    V asked[CIRCLE], given[CIRCLE];"
+        yield "    Circle found[W];"
         for i, place in enumerate(opened):
-            yield f"        before[{i}] = z[{place}];"
-        yield "        if (!sweep(e)) return 0;"
-        yield from (f"        {line}" for line in self._copied(opened.values()))
-        yield "        V moved = (V)0.0;"
+            yield f"    asked[{i}] = z[{place}];"
+        yield "    circles_begin(found, asked);"
+        yield "    for (int going = 1; going;) {"
         for i, place in enumerate(opened):
-            yield f"        moved = either(moved, unsettled(before[{i}], z[{place}]));"
-        yield "        unlike = lanes_differ(moved, (V)0.0);"
-        yield "        if (unlike && unlike < W) return stopped(e, APART, 0, 0);"
-        yield (
-            f"        if (unlike && round + 1 == {SUBSTITUTIONS}) "
-            f"return stopped(e, UNSETTLED, 0, 0);"
-        )
+            yield f"        z[{place}] = asked[{i}];"
+        yield "        V bad = sweep(e);"
+        for i, copy in enumerate(opened.values()):
+            value = affine_text(f"z[{copy.source}]", copy.affine)
+            yield f"        given[{i}] = {value};"
+        real = int(all(is_real(self.wiring, place) for place in opened))
+        yield f"        going = circles_next(found, asked, given, bad, {real});"
         yield "    }"
+        yield "    if (circles_failed(found)) return stopped(e, UNSETTLED, 0, 0);"
+        yield "    circles_found(found, asked);"
+        yield "    e->failure = FINE; /* what was refused on the way */"
+        for i, place in enumerate(opened):
+            yield f"    z[{place}] = asked[{i}];"

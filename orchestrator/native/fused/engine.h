@@ -134,12 +134,6 @@ static inline int go_on(Engine *e, V wrong, int32_t part, int64_t k) {
     return left;
 }
 
-/* Whether a number of a circle has not settled: as initialise.py asks it. */
-static inline V unsettled(V before, V after) {
-    V far = truth(v_fabs(after - before) <= 1e-12 * v_fmax((V)1.0, v_fabs(before)));
-    return both(negated(far), truth(before != after));
-}
-
 static int stopped(Engine *e, int32_t failure, int32_t part, int64_t k) {
     e->failure = failure;
     e->part = part;

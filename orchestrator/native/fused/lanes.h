@@ -109,6 +109,16 @@ static inline V with_lane(V a, int i, double x) { a[i] = x; return a; }
 
 #endif
 
+/* A number computed by here and used from here on: the compiler keeps the order of
+   these; vectors have enough to do at once. */
+#if W == 1 && defined(__x86_64__)
+#define HERE(x) __asm__ volatile("" : "+x"(x))
+#elif W == 1 && defined(__aarch64__)
+#define HERE(x) __asm__ volatile("" : "+w"(x))
+#else
+#define HERE(x) (void)(x)
+#endif
+
 ONE(exp)
 ONE(expm1)
 ONE(log)

@@ -23,30 +23,50 @@ static inline void NAME(_outputs)(V *v, const V *u) {
     NAME(_output)(arg, y);
 }
 
-static inline void NAME(_substep)(V *v, const V *u, double h) {
-    V *x = v + X, trial[N_X + 1];
+/* What the stages of a substep hand on. */
+typedef struct {
+    V trial[N_X + 1], k[4][N_X + 1];
+} NAME(_Stages);
+
 #ifdef ADVANCE
-    const V dt = (V)h, *const arg[5] = {x, u, v, v + SIZE, &dt};
-    V *const res[1] = {trial};
+enum { NAME(_STAGES) = 1 };
+static inline void NAME(_here)(NAME(_Stages) *r, int i) {
+    (void)i;
+    for (int j = 0; j < N_X; j++)
+        HERE(r->trial[j]);
+}
+static inline void NAME(_stage)(NAME(_Stages) *r, V *v, const V *u, double h, int i) {
+    const V dt = (V)h, *const arg[5] = {v + X, u, v, v + SIZE, &dt};
+    V *const res[1] = {r->trial};
+    (void)i;
     NAME(_advance)(arg, res);
-    memcpy(x, trial, N_X * sizeof(V));
+    memcpy(v + X, r->trial, N_X * sizeof(V));
+}
 #else
-    V k1[N_X + 1], k2[N_X + 1], k3[N_X + 1], k4[N_X + 1];
-    const V *const here[4] = {x, u, v, v + SIZE}, *const there[4] = {trial, u, v, v + SIZE};
-    V *const to1[1] = {k1}, *const to2[1] = {k2}, *const to3[1] = {k3}, *const to4[1] = {k4};
-    NAME(_derivative)(here, to1);
-    for (int i = 0; i < N_X; i++)
-        trial[i] = x[i] + h / 2 * k1[i];
-    NAME(_derivative)(there, to2);
-    for (int i = 0; i < N_X; i++)
-        trial[i] = x[i] + h / 2 * k2[i];
-    NAME(_derivative)(there, to3);
-    for (int i = 0; i < N_X; i++)
-        trial[i] = x[i] + h * k3[i];
-    NAME(_derivative)(there, to4);
-    for (int i = 0; i < N_X; i++)
-        x[i] = x[i] + h / 6 * k1[i] + h / 3 * k2[i] + h / 3 * k3[i] + h / 6 * k4[i];
+enum { NAME(_STAGES) = 4 };
+static inline void NAME(_here)(NAME(_Stages) *r, int i) {
+    for (int j = 0; j < N_X; j++)
+        HERE(r->k[i][j]);
+}
+static inline void NAME(_stage)(NAME(_Stages) *r, V *v, const V *u, double h, int i) {
+    V *x = v + X, *const res[1] = {r->k[i]};
+    const V *const arg[4] = {i ? r->trial : x, u, v, v + SIZE};
+    NAME(_derivative)(arg, res);
+    for (int j = 0; j < N_X; j++)
+        if (i < 2)
+            r->trial[j] = x[j] + h / 2 * r->k[i][j];
+        else if (i == 2)
+            r->trial[j] = x[j] + h * r->k[i][j];
+        else
+            x[j] = x[j] + h / 6 * r->k[0][j] + h / 3 * r->k[1][j] + h / 3 * r->k[2][j] +
+                   h / 6 * r->k[3][j];
+}
 #endif
+
+static inline void NAME(_substep)(V *v, const V *u, double h) {
+    NAME(_Stages) r;
+    for (int i = 0; i < NAME(_STAGES); i++)
+        NAME(_stage)(&r, v, u, h, i);
 }
 
 static inline void NAME(_integrate)(V *v, const V *u, double h) {
@@ -54,6 +74,12 @@ static inline void NAME(_integrate)(V *v, const V *u, double h) {
     double dt = h / (double)n;
     for (long long i = 0; i < n; i++)
         NAME(_substep)(v, u, dt);
+}
+
+/* What follows the substeps; u are the inputs that act. */
+static inline void NAME(_ended)(Instance *s, const V *u) {
+    NAME(_outputs)(s->values, u);
+    s->wrong = wrong(s->values + Y, X + N_X - Y);
 }
 
 STEP int NAME(_step)(Instance *s, double t, double h) {
@@ -83,13 +109,12 @@ STEP int NAME(_step)(Instance *s, double t, double h) {
             to = h;
         NAME(_integrate)(v, u, to - from);
     }
-    NAME(_outputs)(v, u);
+    NAME(_ended)(s, u);
 #else
     (void)t;
     NAME(_integrate)(v, v + U, h);
-    NAME(_outputs)(v, v + U);
+    NAME(_ended)(s, v + U);
 #endif
-    s->wrong = wrong(v + Y, X + N_X - Y);
     return 1;
 }
 
@@ -110,6 +135,12 @@ static void NAME(_refresh)(Instance *s) {
 
 #else
 
+/* What follows the equations: the state they gave becomes the one there is. */
+static inline void NAME(_ended)(Instance *s, const V *next) {
+    memcpy(s->values + X, next, N_X * sizeof(V));
+    s->wrong = wrong(s->values + Y, X + N_X - Y);
+}
+
 STEP int NAME(_step)(Instance *s, double t, double h) {
     V *v = s->values, next[N_X + 1];
     const V *const arg[5] = {v + X, v + U, v, v + SIZE, v + T_S};
@@ -117,8 +148,7 @@ STEP int NAME(_step)(Instance *s, double t, double h) {
     (void)t;
     (void)h;
     NAME(_tick)(arg, res);
-    memcpy(v + X, next, N_X * sizeof(V));
-    s->wrong = wrong(v + Y, X + N_X - Y);
+    NAME(_ended)(s, next);
     return 1;
 }
 

@@ -3,11 +3,9 @@
 import json
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
-from time import sleep
 
 import pyarrow.parquet as pq
 import pytest
@@ -85,24 +83,40 @@ def test_processes_killed_from_outside_are_replaced(tmp_path: Path) -> None:
     assert {row["y.peak"] for row in found.rows} == {found.rows[0]["y.peak"]}
 
 
+PRESSED = """
+import os, signal
+from orchestrator.analysis import sweep
+from orchestrator.cli import app
+
+written, add = [], sweep._Lines.add
+
+def pressed(lines, row):
+    add(lines, row)
+    written.append(row)
+    if len(written) == 3:
+        os.kill(os.getpid(), signal.SIGINT)
+
+sweep._Lines.add = pressed
+app()
+"""
+
+
 def test_ctrl_c_loses_nothing_and_resume_does_the_rest(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "orchestrator", "sweep", str(DRIVE)]
-    command += ["--vary", "plant.m_2=3.5e-4:4e-4:31"]
+    """The key is pressed when three of 31 members are written."""
+    given = ["sweep", str(DRIVE), "--vary", "plant.m_2=3.5e-4:4e-4:31"]
     ours = {"PYTHONPATH": str(Path(__file__).parents[3])}
-    begun = subprocess.Popen(
-        command, cwd=tmp_path, env=os.environ | ours, stderr=subprocess.PIPE
+    begun = subprocess.run(
+        [sys.executable, "-c", PRESSED, *given],
+        cwd=tmp_path,
+        env=os.environ | ours,
+        capture_output=True,
+        check=False,
     )
-    members_file = "runs/*/*/members.jsonl"
-    while begun.poll() is None and not any(
-        file.stat().st_size for file in tmp_path.glob(members_file)
-    ):
-        sleep(0.005)
-    begun.send_signal(signal.SIGINT)
-    _, said = begun.communicate()
-    assert begun.returncode == 130, said
-    (first,) = tmp_path.glob(members_file)
+    assert begun.returncode == 130, begun.stderr
+    (first,) = tmp_path.glob("runs/*/*/members.jsonl")
     lines = first.read_text().splitlines()
-    assert 0 < len(lines) < 31
+    assert len(lines) == 3
+    command = [sys.executable, "-m", "orchestrator", *given]
     again = subprocess.run(
         [*command, "--resume", "--json"],
         cwd=tmp_path,

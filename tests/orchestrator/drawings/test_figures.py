@@ -41,7 +41,7 @@ SAMPLE = {
     ("ball_screw_pole_placement", "fig_3_14"),
     ("gantry", "fig_4_5"),
     ("cascade_nppi", "fig_8"),
-    ("leadscrew_nctf", "fig_5_4"),
+    ("leadscrew_nctf", "fig_3_7"),
 }
 
 

@@ -51,8 +51,9 @@ start = {{ "state.x" = 2.0 }}
         (THREE_RATES, Fraction(1, 12000)),
         (THREE_RATES + FAULTS, Fraction(1, 12000)),
         (CIRCLE, Fraction(1, 10)),
+        (CIRCLE.replace("g = 0.5", "g = 2.0"), Fraction(1, 10)),
     ],
-    ids=["rates", "faults", "circle"],
+    ids=["rates", "faults", "circle", "Newton"],
 )
 def test_rows_are_those_of_the_run(text: str, step: Fraction, tmp_path: Path) -> None:
     wholes = exported(text, tmp_path), exported(text, tmp_path, fmi=3)

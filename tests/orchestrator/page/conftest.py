@@ -9,16 +9,16 @@ import pytest
 from browsed import Page, chromium, served
 from tools import needed
 
-OWN_DRIVE = Path(__file__).parents[3] / "docs/examples/own_drive"
+from orchestrator.supplied import PROJECT
 
 
 @pytest.fixture(scope="session")
 def site(
     fmu_cache: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[SimpleNamespace]:
-    """The example of a drive of one's own, copied and served."""
+    """What `feeddrive new` makes, served."""
     folder = tmp_path_factory.mktemp("page") / "drive"
-    shutil.copytree(OWN_DRIVE, folder)
+    shutil.copytree(PROJECT, folder)
     with served(folder) as address:
         host, _, token = address.removeprefix("http://").partition("/?token=")
         yield SimpleNamespace(folder=folder, address=address, host=host, token=token)

@@ -105,7 +105,7 @@ def test_one_break_is_asked_for_on_the_command_line_and_its_page_has_three_pictu
     ]
     assert names == ["hz", *parts, "coherence"]
     page = Path("out/response.html").read_text()
-    assert page.count("plotly-graph-div") == 3
+    assert page.count('class="plotly-graph-div"') == 3
     assert "equations, controller.u" in page
     table = pq.read_table("lines.parquet").to_pydict()
     for part in ("re", "im"):  # L of the equations is the measured one

@@ -11,7 +11,19 @@
 #include <stdlib.h>
 
 #ifdef _WIN32
-#include <windows.h>
+/* of windows.h, whose names meet ours */
+enum { FROM_ADDRESS = 4, UNCHANGED_COUNT = 2, ALTERED_SEARCH_PATH = 8, UTF8 = 65001 };
+__declspec(dllimport) void *__stdcall LoadLibraryExW(const wchar_t *, void *, unsigned long);
+__declspec(dllimport) void *__stdcall GetProcAddress(void *, const char *);
+__declspec(dllimport) int __stdcall GetModuleHandleExW(unsigned long, const wchar_t *,
+                                                       void **);
+__declspec(dllimport) unsigned long __stdcall GetModuleFileNameW(void *, wchar_t *,
+                                                                 unsigned long);
+__declspec(dllimport) int __stdcall WideCharToMultiByte(unsigned, unsigned long,
+                                                        const wchar_t *, int, char *, int,
+                                                        const char *, int *);
+__declspec(dllimport) int __stdcall MultiByteToWideChar(unsigned, unsigned long,
+                                                        const char *, int, wchar_t *, int);
 #else
 #include <dlfcn.h>
 #endif
@@ -63,12 +75,11 @@ typedef struct {
 static int path_of_this(char *path, size_t size) {
 #ifdef _WIN32
     wchar_t wide[LONGEST_PATH];
-    HMODULE here;
-    if (!GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS |
-                                GET_MODULE_HANDLE_EX_FLAG_UNCHANGED_REFCOUNT,
+    void *here;
+    if (!GetModuleHandleExW(FROM_ADDRESS | UNCHANGED_COUNT,
                             (const wchar_t *)(const void *)&path_of_this, &here) ||
         GetModuleFileNameW(here, wide, LONGEST_PATH) >= LONGEST_PATH ||
-        !WideCharToMultiByte(CP_UTF8, 0, wide, -1, path, (int)size, NULL, NULL))
+        !WideCharToMultiByte(UTF8, 0, wide, -1, path, (int)size, NULL, NULL))
         return 0;
     for (char *c = path; *c; c++)
         if (*c == '\\')
@@ -92,12 +103,12 @@ static int path_of_this(char *path, size_t size) {
 static void *opened(const char *path) {
 #ifdef _WIN32
     wchar_t wide[LONGEST_PATH];
-    if (!MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, LONGEST_PATH))
+    if (!MultiByteToWideChar(UTF8, 0, path, -1, wide, LONGEST_PATH))
         return NULL;
     for (wchar_t *c = wide; *c; c++)
         if (*c == L'/')
             *c = L'\\';
-    return (void *)LoadLibraryExW(wide, NULL, LOAD_WITH_ALTERED_SEARCH_PATH);
+    return LoadLibraryExW(wide, NULL, ALTERED_SEARCH_PATH);
 #else
 #ifndef RTLD_DEEPBIND
 #define RTLD_DEEPBIND 0
@@ -108,7 +119,7 @@ static void *opened(const char *path) {
 
 static void *function_of(const Loaded *l, const char *name) {
 #ifdef _WIN32
-    return (void *)GetProcAddress((HMODULE)l->library, name);
+    return GetProcAddress(l->library, name);
 #else
     return dlsym(l->library, name);
 #endif
