@@ -71,7 +71,8 @@ def wiring_picture(timetable: Timetable) -> str:
     shapes.append(text(12, height - 10, legend, "soft small"))
     heads = arrow_heads("edge", "aged")
     width = max(width, 24 + width_of(legend, SMALL))
-    return picture(width, height, f"Wiring of {system.name}", [heads, *shapes])
+    title = f"Wiring of {', '.join(parts)}"
+    return picture(width, height, title, [heads, *shapes])
 
 
 def _words(part: Part, free: Sequence[Undriven]) -> list[tuple[str, str, str]]:
