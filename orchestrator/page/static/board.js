@@ -172,6 +172,7 @@ function marks(u) {
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
   ctx.textAlign = "right";
   ctx.setLineDash([4, 4]);
+  const named = new Set();
   for (const [value, text] of u.panel.limits) {
     const y = u.valToPos(value, "y", true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
@@ -179,7 +180,8 @@ function marks(u) {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    ctx.fillText(text, bbox.left + bbox.width - 4, y - 4);
+    if (!named.has(text)) ctx.fillText(text, bbox.left + bbox.width - 4, y - 4);
+    named.add(text);
   }
   ctx.restore();
 }
