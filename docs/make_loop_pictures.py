@@ -11,7 +11,7 @@ from make_pictures import STUDY, tracking_error
 from controllers.synthesis.ball_screw.loops import sampled_loop
 from controllers.synthesis.frequency import respond
 from orchestrator import run
-from orchestrator.analysis.begin import free_of
+from orchestrator.analysis.begin import begin_of, free_of
 from orchestrator.analysis.candidates import parse_constraint
 from orchestrator.analysis.fit import fit, free_values
 from orchestrator.analysis.measured import beside
@@ -59,13 +59,13 @@ def responded() -> None:
 def tuned() -> None:
     """Sensitivity and tracking error of P-PI before and after the first command."""
     nominal = composed(MARGIN)
-    bounds = {"K_px": (20.0, 1e3), "K_pv": (0.1, 5.0), "K_iv": (5.0, 1e3)}
-    named = {f"controller.{key}": value for key, value in bounds.items()}
+    begin = begin_of(nominal)
     found = tune(
         nominal,
-        free_of(nominal, list(named), named),
+        free_of(nominal, ["controller.K_*"], {}, begin),
         "tracking.peak",
         [parse_constraint("loop.modulus_margin >= 0.42")],
+        begin=begin,
         recompose=lambda values: composed(MARGIN, values),
     )
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")

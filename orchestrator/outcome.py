@@ -77,7 +77,8 @@ class Run(Result, Shown):
                 "real_time_factor": timing.real_time_factor,
                 "us_per_instant": timing.us_per_instant,
             }
-            | ({"profile": timing.profile.as_json()} if timing.profile else {}),
+            | ({"profile": timing.profile.as_json()} if timing.profile else {})
+            | ({"paced": asdict(timing.paced)} if timing.paced else {}),
             "result": str(self.folder),
         }
 

@@ -41,11 +41,33 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Paced:
+    """How well a run kept to the clock, at ``pace`` times real time.
+
+    Of ``blocks`` of instants ``overruns`` were done later than the clock came to their
+    last one; ``worst_s`` and ``rms_s`` are how late (s) blocks were over, the jitter.
+    """
+
+    pace: float
+    blocks: int
+    overruns: int
+    worst_s: float
+    rms_s: float
+
+    def __str__(self) -> str:
+        return (
+            f"paced at {self.pace:g} x real time: {self.overruns:,} overruns in "
+            f"{self.blocks:,} blocks, jitter {1e6 * self.rms_s:.0f} us rms, "
+            f"{1e6 * self.worst_s:.0f} us at worst"
+        )
+
+
+@dataclass(frozen=True)
 class Timing:
     """How long a run took: ``wall_s`` in all, instants executed, seconds simulated.
 
-    ``executor`` is what carried them out; ``profile`` says where the time went, if
-    that was asked for.
+    ``executor`` is what carried them out; ``profile`` says where the time went and
+    ``paced`` how the clock was kept, if that was asked for.
     """
 
     wall_s: float
@@ -53,6 +75,7 @@ class Timing:
     simulated_s: float
     executor: str
     profile: Profile | None = None
+    paced: Paced | None = None
 
     @property
     def real_time_factor(self) -> float:

@@ -78,17 +78,18 @@ def execute(
     report: bool = True,
     executor: "Choice | None" = None,
     profile: bool = False,
+    pace: float | None = None,
     checkpoint: Fraction | None = None,
     also: Also = lambda done: {},
     watched: Watched = lambda folder, timetable: None,
 ) -> Run:
     """Simulate a composition into a folder of its own and evaluate it.
 
-    ``folder`` and ``overwrite`` as for ``run``, ``executor`` and ``profile`` as for
-    ``simulate``.  ``checkpoint``: so much simulated time (s) lies between two points
-    from which ``resume`` can go on.  What ``also`` returns belongs to the figures of
-    the run, which is not complete before.  ``watched`` is told its folder before the
-    first step.
+    ``folder`` and ``overwrite`` as for ``run``, ``executor``, ``profile`` and ``pace``
+    as for ``simulate``.  ``checkpoint``: so much simulated time (s) lies between two
+    points from which ``resume`` can go on.  What ``also`` returns belongs to the
+    figures of the run, which is not complete before.  ``watched`` is told its folder
+    before the first step.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
@@ -109,7 +110,7 @@ def execute(
     with taken(folder, begun, overwrite=overwrite) as place:
         write_lock(composition, place.path)
         watched(place.path, timetable)
-        options = {"executor": executor, "profile": profile}
+        options = {"executor": executor, "profile": profile, "pace": pace}
         done = _evaluated(
             composition, timetable, place, progress, checkpoints, **options
         )

@@ -135,6 +135,10 @@ def run(
     profile: Annotated[
         bool, typer.Option("--profile", help="say where the time went")
     ] = False,
+    pace: Annotated[
+        float | None,
+        typer.Option(metavar="X", help="hold it to X times real time"),
+    ] = None,
     checkpoint: Annotated[
         str | None,
         typer.Option(metavar="S", help="simulated time between points to resume from"),
@@ -189,7 +193,7 @@ def run(
         }
 
     taking = {"overwrite": overwrite, "also": also, "checkpoint": apart}
-    done = simulate(loaded, output, **taking, **options)
+    done = simulate(loaded, output, pace=pace, **taking, **options)
     if json:
         print_json({**done.summary(), **told(done)})
     else:
@@ -241,6 +245,8 @@ def print_run(done: "Run") -> None:
             f"{done.timing.real_time_factor:.3g} x real time, "
             f"{done.timing.us_per_instant:.3g} us per instant"
         )
+    if done.timing is not None and done.timing.paced is not None:
+        echo(str(done.timing.paced))
     if done.timing is not None and done.timing.profile is not None:
         print_profile(done.timing.profile)
     if held := in_words(done.composition.undriven):

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from orchestrator.cli.fmus import model_modules
 from orchestrator.cli.output import echo, executing, set_up_logs
 from orchestrator.cli.run import Verbose
 
@@ -43,4 +44,4 @@ def serve(
     if folder.is_dir():
         os.chdir(folder)  # runs are kept there, and its Python is the project's
         folder = Path.cwd()
-    go_on(folder, port, told)
+    go_on(folder, port, told, model_modules())

@@ -38,6 +38,7 @@ from orchestrator.master.checkpoint import Checkpoints, Keeper, refuse_unsaved
 from orchestrator.master.executor import Executor
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
+from orchestrator.master.pace import Pacer
 from orchestrator.master.recorder import Recorder, refuse_no_room
 from orchestrator.master.remembered import Remembered
 from orchestrator.master.timetable import Timetable
@@ -83,6 +84,7 @@ def simulate(
     profile: bool = False,
     recorded: Callable[[Result], None] | None = None,
     checkpoints: Checkpoints | None = None,
+    pace: float | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
@@ -90,7 +92,8 @@ def simulate(
     ``progress`` is told the time reached (s), about ten times a second.
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.  ``recorded`` is told the result before FMUs are freed.
-    With ``checkpoints`` a run that is killed can be gone on with.
+    With ``checkpoints`` a run that is killed can be gone on with; ``pace`` holds it
+    to the clock, so many times as fast.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
@@ -99,6 +102,9 @@ def simulate(
     timetable = timetable or plan(system)
     if checkpoints:
         refuse_unsaved(timetable, executor)
+    pacer = None if pace is None else Pacer(pace, timetable)
+    if pacer and checkpoints:
+        raise SimulationError("checkpoints: a run has either a pace or checkpoints")
     if names := let_in(timetable):
         if profile:
             raise SimulationError(
@@ -109,6 +115,11 @@ def simulate(
             raise SimulationError(
                 f"{names[0]}: a run that lets this FMU into its process has no "
                 f'checkpoints; leave out isolation = "none"'
+            )
+        if pacer:
+            raise SimulationError(
+                f"{names[0]}: a run that lets this FMU into its process is not held "
+                f'to the clock; leave out isolation = "none"'
             )
         return simulate_apart(simulate, system, folder, timetable, progress, executor)
     wiring = timetable.wiring
@@ -138,7 +149,9 @@ def simulate(
                 engine = _engine(
                     executor, timetable, instances, vector, recorder, profile
                 )
-                timing, ended = _execute(timetable, engine, recorder, progress, keeper)
+                timing, ended = _execute(
+                    timetable, engine, recorder, progress, keeper, pacer
+                )
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
                 timing = replace(timing, profile=where)
@@ -287,18 +300,23 @@ def _execute(
     recorder: Recorder,
     progress: Progress | None,
     keeper: Keeper | None,
+    pacer: Pacer | None,
 ) -> tuple[Timing, End | None]:
     """Carry out all instants, or those until an FMU ends the run."""
     begun = told = perf_counter()
     stop = timetable.wiring.system.stop
     if keeper:
         begun -= keeper.begin(engine, recorder)
+    if pacer:
+        engine.until = pacer.first()
     reached, ended = float(stop), None
     try:
         for k in engine.run():
             rest()
             if keeper and engine.until is not None and k >= engine.until:
                 keeper.write(k, engine, perf_counter() - begun, recorder)
+            if pacer:
+                engine.until = pacer.reached(k)
             if (now := perf_counter()) - told > BETWEEN:
                 told = now
                 recorder.flush()
@@ -309,4 +327,6 @@ def _execute(
     else:
         if progress:
             progress(stop)
-    return Timing(perf_counter() - begun, engine.count, reached, engine.name), ended
+    paced, wall = pacer.told() if pacer else None, perf_counter() - begun
+    timing = Timing(wall, engine.count, reached, engine.name, paced=paced)
+    return timing, ended

@@ -23,12 +23,17 @@ from orchestrator.report.panels import Array, Curve, Panel, panels
 PER_PIXEL = 2  # points
 
 
-class Board:
-    """The panels of one run or of several overlaid."""
+def board_of(run: Run) -> "Board":
+    """Return the panels of a run, as its report has them."""
+    with np.errstate(all="ignore"):  # what diverges may overflow here
+        return Board(list(panels([run])))
 
-    def __init__(self, runs: Sequence[Run]) -> None:
-        with np.errstate(all="ignore"):
-            self.panels: list[Panel] = list(panels(runs))
+
+class Board:
+    """Panels that are drawn, with every point."""
+
+    def __init__(self, panels: Sequence[Panel]) -> None:
+        self.panels = panels
         curves = [c for panel in self.panels for c in panel.curves if len(c.time)]
         self.span = (
             min((float(c.time[0]) for c in curves), default=0.0),

@@ -29,7 +29,7 @@ from orchestrator.master.simulate import plan
 from orchestrator.outcome import Run
 from orchestrator.result import End, Recorded, Signal
 from orchestrator.scenario.compose import Composition, compose
-from orchestrator.scenario.reading import load_scenario
+from orchestrator.scenario.reading import Swaps, load_scenario
 from orchestrator.session import naming, refuse_metrics, run_earlier
 from orchestrator.warned import collecting
 
@@ -88,8 +88,10 @@ class Kept:
         FeedDriveError, fmus.build.BuildError: as ``run`` would.
     """
 
-    def __init__(self, name: str | Path, sets: tuple[str, ...] = ()) -> None:
-        scenario = load_scenario(name, sets)
+    def __init__(
+        self, name: str | Path, sets: tuple[str, ...] = (), swaps: Swaps | None = None
+    ) -> None:
+        scenario = load_scenario(name, sets, swaps)
         with naming(scenario):
             self.composition = compose(scenario, run_earlier)
             refuse_metrics(self.composition)

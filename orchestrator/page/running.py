@@ -35,7 +35,12 @@ class Running:
 
     file: Path
     settings: Mapping[str, Setting]
+    pace: float | None = None
     aborted: Event = field(default_factory=Event)
+
+    def abort(self) -> None:
+        """End it at its next look; what was recorded stays."""
+        self.aborted.set()
 
     def run(self, told: Told) -> Run:
         """Run it into a folder of ``runs/``; tell how far it is now and then.
@@ -59,7 +64,9 @@ class Running:
             def begun(folder: Path, timetable: Timetable) -> None:
                 so_far.append(SoFar(composition, folder, timetable))
 
-            return execute(composition, progress=progress, watched=begun)
+            return execute(
+                composition, progress=progress, watched=begun, pace=self.pace
+            )
 
     def _go_on(self, t: Fraction) -> None:
         if self.aborted.is_set():

@@ -6,7 +6,7 @@ frames over one WebSocket.  Work is done by one thread, runs by one each.
 
 import secrets
 import socket
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -29,9 +29,11 @@ STATIC = Path(str(files("orchestrator.page") / "static"))
 Handler = Callable[[Request], Awaitable[Response]]
 
 
-def application(project: Project, work: Work, token: str, port: int) -> Gate:
+def application(
+    project: Project, work: Work, models: Iterable[str], token: str, port: int
+) -> Gate:
     """Return the page of a project as an ASGI application."""
-    views = Views(project, work)
+    views = Views(project, work, models)
 
     def answering(view: Callable[..., Any]) -> Handler:
         """Answer with what a view returns, or with its refusal."""
@@ -56,13 +58,13 @@ def application(project: Project, work: Work, token: str, port: int) -> Gate:
         return FileResponse(STATIC / "index.html")
 
     async def report(request: Request) -> Response:
+        """Answer with a page that a run or a verb wrote into the project."""
         try:
-            entry = await work.done(project.run, request.path_params["name"])
-            file = project.inside(f"runs/{entry.name}/report.html")
+            file = project.inside(request.path_params["name"])
         except ScenarioError as error:
             return Response(str(error), 404)
-        if not file.is_file():
-            return Response("this run has no report", 404)
+        if file.suffix != ".html" or not file.is_file():
+            return Response("there is no such page in this project", 404)
         return FileResponse(file)
 
     async def watch(asked: WebSocket) -> None:
@@ -82,10 +84,12 @@ def application(project: Project, work: Work, token: str, port: int) -> Gate:
     return Gate(Starlette(routes=routes), token, hosts)
 
 
-def serve(folder: Path, port: int, told: Callable[[str], None]) -> None:
+def serve(
+    folder: Path, port: int, told: Callable[[str], None], models: Iterable[str] = ()
+) -> None:
     """Serve the page of a project until Ctrl-C; ``told`` is told its address.
 
-    ``port`` 0 is any that is free.
+    ``port`` 0 is any that is free; ``models`` are the names of ours.
 
     Raises:
         ScenarioError: there is no such folder, or the port is taken.
@@ -105,7 +109,7 @@ def serve(folder: Path, port: int, told: Callable[[str], None]) -> None:
     port = listening.getsockname()[1]
     token = secrets.token_urlsafe(24)
     with Work() as work:
-        app = application(Project(folder.resolve()), work, token, port)
+        app = application(Project(folder.resolve()), work, tuple(models), token, port)
         told(f"http://127.0.0.1:{port}/?token={token}")
         config = uvicorn.Config(
             app,

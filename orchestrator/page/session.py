@@ -1,8 +1,9 @@
 """One page that is open: what it draws, the runs it started.
 
-It says ``try`` (a position of a slider), ``run``, ``abort``, ``window`` (a zoom); each
-with an ``id``, under which the answer comes: a frame, or {"id", "error"}.  While a run
-goes on frames come with ``t`` and ``stop``.
+It says ``try`` (a position of a slider), ``run``, ``abort``, ``window`` (a zoom),
+``compare``, ``ask`` (a verb); each with an ``id``, under which the answer comes: a
+frame, or {"id", "error"}.  While a run goes on frames come with ``t`` and ``stop``,
+while a verb does its log, line by line.
 """
 
 import asyncio
@@ -16,10 +17,12 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from orchestrator.errors import ScenarioError
 from orchestrator.outcome import Run
-from orchestrator.page.curves import Board, figures
+from orchestrator.page.compared import compared
+from orchestrator.page.curves import Board, board_of, figures, finite
 from orchestrator.page.kept import Passing
 from orchestrator.page.project import Project
 from orchestrator.page.running import Running
+from orchestrator.page.verbs import Asking
 from orchestrator.page.work import Work, answer_of
 
 BOARDS = 8  # that can still be zoomed
@@ -32,7 +35,7 @@ class Session:
     def __init__(self, project: Project, work: Work, asked: WebSocket) -> None:
         self._project, self._work, self._asked = project, work, asked
         self._boards: OrderedDict[int, Board] = OrderedDict()
-        self._running: dict[int, Running] = {}
+        self._running: dict[int, Running | Asking] = {}
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def go_on(self) -> None:
@@ -43,6 +46,8 @@ class Session:
             "run": self._run,
             "abort": self._abort,
             "window": self._window,
+            "compare": self._compare,
+            "ask": self._ask,
         }
         self._start(self._watch())
         try:
@@ -55,7 +60,7 @@ class Session:
             await self._asked.close(1003, "not understood")
         finally:
             for running in self._running.values():
-                running.aborted.set()
+                running.abort()
             for task in self._tasks:
                 task.cancel()
 
@@ -103,12 +108,15 @@ class Session:
     async def _run(self, number: int, said: Mapping[str, Any]) -> None:
         file = self._project.scenario(str(said["scenario"]))
         width = int(said["width"])
-        running = self._running[number] = Running(file, _settings(said))
+        pace = said.get("pace")
+        running = Running(file, _settings(said), None if pace is None else float(pace))
+        self._running[number] = running
         loop = asyncio.get_running_loop()
 
         def told(t: float, stop: float, rows: Passing | None) -> None:
             head = {"id": number, "t": t, "stop": stop, "live": True}
-            frame = Board([rows] if rows else []).frame(head, width)
+            board = board_of(rows) if rows else Board([])
+            frame = board.frame(head, width)
             loop.call_soon_threadsafe(self._start, self._asked.send_bytes(frame))
 
         def done() -> bytes:
@@ -119,9 +127,32 @@ class Session:
         finally:
             del self._running[number]
 
+    async def _compare(self, number: int, said: Mapping[str, Any]) -> None:
+        names, signals = list(map(str, said["runs"])), said.get("signals", ())
+        width = int(said["width"])
+
+        def drawn() -> bytes:
+            told, panels = compared(self._project, names, list(map(str, signals)))
+            board = self._keep(number, Board(panels))
+            return board.frame({"id": number, "board": number, **told}, width)
+
+        await self._asked.send_bytes(await self._work.done(drawn))
+
+    async def _ask(self, number: int, said: Mapping[str, Any]) -> None:
+        asking = self._running[number] = Asking(self._project, said)
+
+        async def told(line: str) -> None:
+            await self._asked.send_json({"id": number, "live": True, "line": line})
+
+        try:
+            answer = await asking.done(told)
+            await self._asked.send_json({"id": number, **finite(answer)})
+        finally:
+            del self._running[number]
+
     async def _abort(self, number: int, said: Mapping[str, Any]) -> None:
         if running := self._running.get(int(said["run"])):
-            running.aborted.set()
+            running.abort()
 
     async def _window(self, number: int, said: Mapping[str, Any]) -> None:
         board = self._boards.get(int(said["board"]))
@@ -133,7 +164,8 @@ class Session:
         await self._asked.send_bytes(frame)
 
     def _frame(self, number: int, run: Run, width: int) -> bytes:
-        board = self._keep(number, [run])
+        board = self._keep(number, board_of(run))
+        timing = run.timing
         head = {
             "id": number,
             "board": number,
@@ -142,12 +174,13 @@ class Session:
             "ended": run.ended and str(run.ended),
             "warnings": run.warnings,
             "unlike": run.unlike,
+            "paced": str(timing.paced) if timing and timing.paced else None,
             "kept": None if isinstance(run, Passing) else str(run.folder),
         }
         return board.frame(head, width)
 
-    def _keep(self, number: int, runs: list[Run]) -> Board:
-        board = self._boards[number] = Board(runs)
+    def _keep(self, number: int, board: Board) -> Board:
+        self._boards[number] = board
         while len(self._boards) > BOARDS:
             self._boards.popitem(last=False)
         return board

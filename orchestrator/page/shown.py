@@ -11,11 +11,14 @@ from orchestrator.errors import FeedDriveError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.master.ages import describe_schedule
+from orchestrator.page.edits import found_parts, refuse_apart
 from orchestrator.quantities.quantity import rate
 from orchestrator.scenario.compose import Composition
+from orchestrator.scenario.reading import Scenario
 from orchestrator.system import Component
 
 _ELEMENT = re.compile(r"\[[\d,]+\]$")
+NO_PORTS: dict[str, Any] = {"inputs": [], "outputs": []}
 MOST = 400  # parameters of a component that are listed
 
 
@@ -28,6 +31,7 @@ def shown(composition: Composition) -> dict[str, Any]:
     system, spec = composition.system, composition.scenario.spec
     plan = describe_schedule(system)
     turns = {turn.component: turn for turn in plan.turns}
+    free = {one.input for one in plan.undriven}
     return {
         "title": spec.title,
         "description": spec.description,
@@ -42,9 +46,11 @@ def shown(composition: Composition) -> dict[str, Any]:
                 "about": composition.fmus[name].description,
                 "kind": turns[name].kind,
                 "rate": rate(turns[name].period),
+                "step": _written(spec.components[name].step),
                 "latency": turns[name].latency,
                 "steps": turns[name].steps,
-                "parameters": _parameters(part, composition),
+                "parameters": _parameters(part, composition, free),
+                "error": "",
                 **_ports(part, composition.fmus[name]),
             }
             for name, part in system.components.items()
@@ -58,12 +64,66 @@ def shown(composition: Composition) -> dict[str, Any]:
                 "youngest": _us(age.youngest),
                 "oldest": _us(age.oldest),
                 "remark": age.remark,
+                "error": "",
             }
             for age in plan.ages
         ],
         "undriven": [asdict(one) for one in plan.undriven],
+        "record": list(system.record),
         "warnings": [*composition.warnings, *plan.warnings],
     }
+
+
+def halfway(scenario: Scenario) -> dict[str, Any]:
+    """Return what the page shows of a scenario that does not fit together: what of it
+    can be read, and at each connection and component what is wrong there."""
+    found, whys = found_parts(scenario)
+    spec = scenario.spec
+    lines = {k: v for k, v in spec.connections.items() if isinstance(v, str)}
+    return {
+        "title": spec.title,
+        "description": spec.description,
+        "stop": float(spec.stop),
+        "components": [
+            {
+                "name": name,
+                "fmu": part.fmu or str(part.data),
+                "about": found[name][1].description if name in found else "",
+                "kind": "",
+                "rate": rate(found[name][0].period) if name in found else "",
+                "step": _written(part.step),
+                "latency": part.latency,
+                "steps": "",
+                "parameters": [],
+                "error": whys.get(name, ""),
+                **(_ports(*found[name]) if name in found else NO_PORTS),
+            }
+            for name, part in spec.components.items()
+        ],
+        "connections": [
+            {
+                "source": source,
+                "sink": sink,
+                "error": "" if "*" in sink else _wrong(scenario, source, sink),
+            }
+            for sink, source in lines.items()
+        ],
+        "undriven": [],
+        "record": list(spec.record),
+        "warnings": [],
+    }
+
+
+def _wrong(scenario: Scenario, source: str, sink: str) -> str:
+    try:
+        refuse_apart(scenario, source, sink)
+    except FeedDriveError as error:
+        return str(error)
+    return ""
+
+
+def _written(step: Fraction | None) -> str:
+    return "" if step is None else str(step)
 
 
 def _ports(part: Component, fmu: FmuDescription) -> dict[str, Any]:
@@ -82,30 +142,35 @@ def _ports(part: Component, fmu: FmuDescription) -> dict[str, Any]:
     }
 
 
-def _parameters(part: Component, composition: Composition) -> list[dict[str, Any]]:
-    """Return the numbers that can be set, those that the scenario sets first."""
+def _parameters(
+    part: Component, composition: Composition, free: set[str]
+) -> list[dict[str, Any]]:
+    """Return the numbers that can be set, those that the scenario sets first.
+
+    Inputs that nothing drives, ``free``, are among them.
+    """
     fmu = composition.fmus[part.name]
     ours = {mapped.name: name for name, mapped in part.map.items()}
     found = []
     for name, variable in fmu.variables.items():
-        if not _settable(variable):
+        own = ours.get(name, name)
+        if not _settable(variable, free=f"{part.name}.{own}" in free):
             continue
         with suppress(FeedDriveError, ValueError):
-            found.append(_parameter(part, fmu, ours.get(name, name), composition))
+            found.append(_parameter(part, fmu, own, composition))
         if len(found) == MOST:
             break
     return sorted(found, key=lambda one: not one["given"])
 
 
-def _settable(variable: FmuVariable) -> bool:
+def _settable(variable: FmuVariable, *, free: bool) -> bool:
     """Tell whether it is one number that a user sets before the run."""
-    return (
-        variable.sort == "real"
-        and variable.size == 1
-        and variable.causality == "parameter"
-        and variable.variability in ("fixed", "tunable")
-        and not _ELEMENT.search(variable.name)
+    set_before = variable.causality == "parameter" and variable.variability in (
+        "fixed",
+        "tunable",
     )
+    one = variable.sort == "real" and variable.size == 1
+    return one and (set_before or free) and not _ELEMENT.search(variable.name)
 
 
 def _parameter(

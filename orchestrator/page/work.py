@@ -15,6 +15,7 @@ from fmus.build import BuildError
 from fmus.compile import CompileError
 from fmus.units import UnitError
 from orchestrator.errors import FeedDriveError, shown
+from orchestrator.page.document import Editor
 from orchestrator.page.kept import Shelf
 
 P = ParamSpec("P")
@@ -28,7 +29,7 @@ class Work:
     def __init__(self) -> None:
         self._bench = ThreadPoolExecutor(1)
         self._runs = ThreadPoolExecutor(RUNS)
-        self.shelf = Shelf()  # belongs to the bench
+        self.shelf, self.editor = Shelf(), Editor()  # they belong to the bench
 
     async def done(self, do: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Return what comes of work on the bench."""

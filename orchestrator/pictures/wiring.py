@@ -190,9 +190,11 @@ def _box(
 ) -> Iterator[str]:
     x, y = placed["x"], placed["y"]
     size = placed["width"], placed["height"]
+    yield f'<g data-component="{placed["id"]}">'  # a plain name
     yield box(x, y, *size, "box", 'stroke="var(--line)" rx="5"')
     for i, (said, look, tip) in enumerate(lines):
         yield text(x + PAD, y + PAD + 10 + LINE * i, said, look, tip=tip)
+    yield "</g>"
 
 
 def _edge(placed: Mapping[str, Any], bundle: Bundle) -> Iterator[str]:

@@ -43,14 +43,25 @@ def write_overlaid(
     for heading, head, rows in tables:
         shown = [[escape(cell) for cell in row] for row in rows]
         parts += [f"<h2>{escape(heading)}</h2>", table(head, shown)]
-    names, left = _chosen(results, wanted)
-    panels = [p for name in names for p in _panels(name, results)]
+    panels, left = overlaid(results, wanted)
     if panels:
         parts += ["<h2>Signals</h2>", signals(drawn(panels, overlaid=True))]
     if left:
         told = f"Not drawn: {', '.join(left)}. Name those you want to see."
         parts.append(f"<p>{escape(told)}</p>")
     return written(title, parts, path)
+
+
+def overlaid(
+    results: Mapping[str, Result], wanted: Sequence[str] = ()
+) -> tuple[list[Panel], list[str]]:
+    """Return the panels of runs over each other, and the signals that have none.
+
+    Raises:
+        ScenarioError: a signal that is wanted was recorded in none.
+    """
+    names, left = _chosen(results, wanted)
+    return [p for name in names for p in _panels(name, results)], left
 
 
 def write_plotted(title: str, result: Result, names: Sequence[str], path: Path) -> Path:
@@ -93,7 +104,8 @@ def _chosen(
             raise ScenarioError(
                 f"{name} was recorded in none of these; {did_you_mean(name, counted)}"
             )
-    both = list(wanted) or [name for name, n in counted.items() if n > 1]
+    least = min(2, len(results))
+    both = list(wanted) or [name for name, n in counted.items() if n >= least]
     return both[: len(wanted) or MOST], both[len(wanted) or MOST :]
 
 

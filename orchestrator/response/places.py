@@ -185,7 +185,7 @@ def rates_of_ways(
             f"observe {name}: no connection leads there from "
             f"{', '.join(e.name for e in excited)}"
         )
-    return _rates(system, owners[0], (after & before) | {owners[0]})
+    return _rates(system, owners[0], after & before)
 
 
 def _of_one_clock(option: str, system: System, places: Sequence[Place]) -> list[str]:
@@ -205,7 +205,7 @@ def _rates(system: System, clock: str, way: set[str]) -> Rates:
     slowest = max(parts[name].period for name in way)
     return Rates(
         parts[clock].period,
-        _common([parts[name].period for name in way]),
+        _common([parts[name].period for name in {*way, clock}]),
         _common([part.period for part in parts.values()]),
         tuple(sorted(name for name in way if parts[name].period == slowest)),
         frozenset(way),

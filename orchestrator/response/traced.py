@@ -86,14 +86,26 @@ def traced(composition: Composition, found: Measured) -> Traced:
         wiring = plan(at.system(ones, n, 1)).wiring
         parts = {
             name: Linear(
-                wiring.parts[name], load_model(composition.sources[name]), points[name]
+                wiring.parts[name],
+                load_model(composition.module(name)),
+                points[name],
             )
             for name in at.rates.way
         }
+        _refuse_no_slope(parts)
         settled = 2 + ceil(max(p.late for p in parts.values()) / at.rates.whole)
         timetable = plan(at.system(ones, n, settled + 3))
         window = Window(at, timetable, parts, settled)
         return Traced(float(t), window.response(found.hz))
+
+
+def _refuse_no_slope(parts: Mapping[str, Linear]) -> None:
+    for name, part in parts.items():
+        if not all(np.all(np.isfinite(matrix)) for matrix in part.at):
+            raise ResponseError(
+                f"no linearised equations beside it: {name} has no finite slope where "
+                f"it is then"
+            )
 
 
 def _refuse_what_is_not_ours(composition: Composition, at: Bench) -> None:

@@ -98,7 +98,7 @@ class Window:
         """Return y/d (lines, observed, excited) at lines (Hz).
 
         Raises:
-            ResponseError: a line is an eigenvalue.
+            ResponseError: a line is an eigenvalue of an undamped mode.
         """
         n, m = len(self._x), len(self._bench.breaks)
         P = self._whole // self._T
@@ -109,7 +109,13 @@ class Window:
         for f in hz:
             turns = np.exp(2j * np.pi * f * T * np.arange(P))
             z = np.exp(2j * np.pi * f * T * P)
-            x = np.linalg.solve(z * np.eye(n) - A, B @ turns)
+            try:
+                x = np.linalg.solve(z * np.eye(n) - A, B @ turns)
+            except np.linalg.LinAlgError:
+                raise ResponseError(
+                    f"no linearised equations beside it: they oscillate undamped at "
+                    f"{f:g} Hz"
+                ) from None
             y = C @ x + D @ turns
             found.append(np.tensordot(turns.conj(), y, 1) / P)
         return np.array(found)

@@ -3,19 +3,30 @@
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 from urllib.parse import quote
 
-from selenium.common.exceptions import StaleElementReferenceException
+from selenium.common.exceptions import (
+    ElementNotInteractableException,
+    NoSuchElementException,
+    StaleElementReferenceException,
+)
+from selenium.webdriver import Keys
+from selenium.webdriver.support.select import Select
 
 FLAGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
     "--disable-background-networking --disable-component-update --disable-sync "
     "--force-prefers-reduced-motion --window-size=1400,1000"
+)
+RENEWED = (
+    ElementNotInteractableException,
+    NoSuchElementException,
+    StaleElementReferenceException,
 )
 
 
@@ -77,7 +88,7 @@ class Page:
         self.open(f"scenario/{quote(name, safe='')}")
         self.until("[data-figure]")
 
-    def until(self, selector: str, *, text: str = "", seconds: float = 60) -> Any:
+    def until(self, selector: str, *, text: str = "", seconds: float = 40) -> Any:
         """Wait for an element, one that holds a text; return it."""
         end = monotonic() + seconds
         while monotonic() < end:
@@ -86,14 +97,40 @@ class Page:
                     if text in found.text:
                         return found
             sleep(0.05)
-        body = self.driver.find_element("css selector", "main").text
-        raise AssertionError(f"no {selector} with {text!r} in:\n{body[:3000]}")
+        body = self.driver.find_element("css selector", "body").text
+        raise AssertionError(
+            f"no {selector} with {text!r} in:\n{body[:3000]}\n"
+            f"no {selector} with {text!r}"
+        )
 
     def click(self, name: str, within: str = "main") -> None:
         """Click a button, link or summary by its name."""
         where = f"//{within}//*[self::button or self::a or self::summary]"
         path = f"{where}[normalize-space()={name!r} or @aria-label={name!r}]"
-        self.driver.find_element("xpath", path).click()
+        self.again(lambda: self.driver.find_element("xpath", path).click())
+
+    def put(self, field: str, text: str) -> None:
+        """Type a text in place of what stands in the field of an id or label."""
+        where = f"[id='{field}'], [aria-label='{field}']"
+        keys = (Keys.CONTROL, "a", Keys.NULL, text)
+        self.again(lambda: self.until(where).send_keys(*keys))
+
+    def choose(self, field: str, value: str) -> None:
+        """Choose a value of a list by its id."""
+        self.until(f"[id='{field}'] option[value='{value}']")
+        self.again(lambda: Select(self.until(f"#{field}")).select_by_value(value))
+
+    def press(self, selector: str, text: str = "") -> None:
+        """Click an element that holds a text, once it can be."""
+        self.again(lambda: self.until(selector, text=text).click())
+
+    def again(self, do: Callable[[], None]) -> None:
+        """Do something, once more where the page is just being shown anew."""
+        for _ in range(20):
+            with suppress(*RENEWED):
+                return do()
+            sleep(0.2)
+        return do()
 
     def js(self, script: str, *arguments: Any) -> Any:
         """Return what an async function answers."""

@@ -82,6 +82,9 @@ class Fused(Kernel):
             done, total = 0, length * stretch.repeats
             while done < total:
                 begun = perf_counter()
+                room = min(chunk, total - done)
+                if self.until is not None:
+                    room = min(room, max(1, stretch.before(self.until) + 1 - done))
                 n = self._loop.engine_run(
                     byref(self._memory.engine),
                     stretch.first,
@@ -90,7 +93,7 @@ class Fused(Kernel):
                     programs.ctypes.data,
                     length,
                     done,
-                    min(chunk, total - done),
+                    room,
                 )
                 took = perf_counter() - begun
                 done, self.count = done + n, self.count + n

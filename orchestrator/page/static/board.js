@@ -64,7 +64,8 @@ export class Board {
   plot(panel, shown) {
     const figure = h("figure", {});
     this.place.append(figure);
-    const compared = new Set(panel.curves.map((c) => c.run)).size > 1;
+    const runs = this.frame.panels.flatMap((p) => p.curves.map((c) => c.run));
+    const compared = new Set(runs).size > 1;
     const series = panel.curves.map((curve, i) => {
       const before = panel.curves.slice(0, i).filter((c) => c.run === curve.run && !c.reference);
       return line(curve, i, compared, before.length);
@@ -172,6 +173,7 @@ function marks(u) {
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
   ctx.textAlign = "right";
   ctx.setLineDash([4, 4]);
+  const named = new Set();
   for (const [value, text] of u.panel.limits) {
     const y = u.valToPos(value, "y", true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
@@ -179,7 +181,8 @@ function marks(u) {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    ctx.fillText(text, bbox.left + bbox.width - 4, y - 4);
+    if (!named.has(text)) ctx.fillText(text, bbox.left + bbox.width - 4, y - 4);
+    named.add(text);
   }
   ctx.restore();
 }

@@ -3,11 +3,14 @@
 import { h, number } from "./dom.js";
 
 const STEPS = 400; // positions of a slider
+const FIRST = 4; // parameters of a component that are seen at once
+
+const kept = new Map(); // what was moved of each scenario, while the page is open
 
 export class Parameters {
-  constructor(components, moved) {
+  constructor({ name, components }, moved) {
+    this.name = name;
     this.settings = {};
-    this.moved = moved;
     this.rows = new Map();
     this.reset = h("button", { type: "button", onclick: () => this.back() }, "Back to the scenario");
     this.reset.disabled = true;
@@ -16,11 +19,21 @@ export class Parameters {
     this.element = h("div", { class: "parameters" },
       h("div", { class: "line" },
         h("label", { for: "search" }, "Find "), this.search, this.reset), groups);
+    this.moved = () => {};
+    for (const [key, value] of Object.entries(kept.get(name) ?? {})) {
+      if (this.rows.has(key)) this.set(this.rows.get(key).p, value);
+    }
+    kept.set(name, this.settings);
+    this.moved = moved;
+  }
+
+  forget() {
+    kept.delete(this.name);
   }
 
   group(component) {
     const given = component.parameters.filter((p) => p.given);
-    const open = given.length > 0 ? given : component.parameters.slice(0, 3);
+    const open = component.parameters.slice(0, Math.max(given.length, FIRST));
     return h("details", { open: true, class: "group" },
       h("summary", {}, component.name),
       open.map((p) => this.row(p)),

@@ -1,9 +1,11 @@
 // A scenario: what it is made of, its parameters, and its curves while they are moved.
 
 import { Board } from "./board.js";
+import { Compose } from "./compose.js";
 import { alertOf, h, number, say, table, unitOf } from "./dom.js";
 import { Parameters } from "./parameters.js";
-import { ask, send } from "./server.js";
+import { Questions } from "./questions.js";
+import { ask, send, tell } from "./server.js";
 
 export async function scenario(name) {
   const found = await ask("scenario", { name });
@@ -23,11 +25,17 @@ class Scenario {
     this.board = new Board();
     this.errors = h("div", {});
     this.figures = h("div", {});
-    this.parameters = new Parameters(found.components, () => this.redraw());
+    this.parameters = new Parameters(found, () => this.redraw());
+    this.compose = new Compose(found, () => dispatchEvent(new Event("refresh")));
+    this.questions = new Questions(found, () => this.shown?.figures ?? []);
     this.command = h("code", {});
+    this.write = h("button", { type: "button", onclick: () => this.into() }, "Write into the scenario");
+    this.write.hidden = !found.own;
     this.run = h("button", { type: "button", class: "main", onclick: () => this.keep() }, "Run and keep");
+    this.pace = h("input", { id: "pace", size: "5", placeholder: "none", inputmode: "decimal" });
     this.abort = h("button", { type: "button", onclick: () => this.stop() }, "Abort");
     this.abort.hidden = true;
+    this.run.disabled = Boolean(found.error);
     this.progress = h("progress", { max: "1", value: "0", "aria-label": "progress of the run" });
     this.progress.hidden = true;
     this.parts = [
@@ -35,23 +43,38 @@ class Scenario {
       h("p", { class: "soft" }, h("a", { href: "#/" }, "All scenarios"), ` · ${found.name}`,
         found.own ? "" : " · published, cannot be changed here"),
       found.description ? h("p", { class: "about" }, found.description) : null,
+      found.error ? alertOf(found.error) : null,
       ...found.warnings.map((text) => h("p", { class: "warning" }, text)),
       h("div", { class: "two" },
         h("div", {},
-          h("div", { class: "line" }, this.run, this.abort, this.progress),
+          h("div", { class: "line" }, this.run,
+            h("label", { for: "pace" }, "held to times real time: "), this.pace, this.abort, this.progress),
           this.errors, this.figures, this.board.element),
         h("div", { class: "side" },
-          h("h2", {}, "Parameters"), this.parameters.element,
+          h("h2", {}, "Parameters"), this.parameters.element, this.write,
           h("p", { class: "soft" }, "The same on the command line: ", this.command))),
-      h("h2", {}, "Connections"), connections(found),
-      h("h2", {}, "Components"), components(found),
+      ...this.compose.parts,
+      h("h2", {}, "Questions"), this.questions.element,
     ].filter((part) => part);
     this.asked = null;
     this.again = false;
   }
 
+  // Make what was moved the scenario's own.
+  async into() {
+    try {
+      await tell("edit", { scenario: this.found.name, do: "values", settings: this.parameters.settings });
+      this.parameters.forget();
+      dispatchEvent(new Event("refresh"));
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
   // Run with the positions of the sliders; while one runs only the last one waits.
   async redraw() {
+    this.write.disabled = Object.keys(this.parameters.settings).length === 0;
+    if (this.found.error) return;
     this.command.textContent = ["feeddrive run", this.found.name,
       ...Object.entries(this.parameters.settings).map(([k, v]) => `--set ${k}=${v}`)].join(" ");
     if (this.asked) {
@@ -79,6 +102,7 @@ class Scenario {
   }
 
   show(frame) {
+    this.shown = frame;
     this.board.draw(frame);
     this.figures.replaceChildren(figures(frame), ...notes(frame));
   }
@@ -90,7 +114,8 @@ class Scenario {
 
   async keep() {
     this.running = send({ do: "run", scenario: this.found.name,
-      settings: this.parameters.settings, width: this.board.width }, (frame) => this.live(frame));
+      settings: this.parameters.settings, width: this.board.width,
+      ...(this.pace.value ? { pace: Number(this.pace.value) } : {}) }, (frame) => this.live(frame));
     this.busy(true);
     say("running");
     try {
@@ -125,19 +150,20 @@ class Scenario {
     else this.run.focus();
   }
 
-  // A file changed: what is shown is read again, the sliders stay where they are.
+  // Tell whether the scenario would now be shown otherwise; sliders stay where they are.
   async changed() {
-    if (this.running) return;
+    if (this.running) return false;
     try {
       const found = await ask("scenario", { name: this.found.name });
-      if (JSON.stringify(found) !== JSON.stringify(this.found)) dispatchEvent(new Event("hashchange"));
-    } catch (error) {
-      this.fail(error);
+      return JSON.stringify(found) !== JSON.stringify(this.found);
+    } catch {
+      return true;
     }
   }
 
   leave() {
     this.stop();
+    this.questions.stop();
   }
 }
 
@@ -157,24 +183,7 @@ function figures(frame) {
 
 function notes(frame) {
   const bad = [frame.diverged, ...frame.unlike].filter((text) => text);
-  const told = [frame.ended, ...frame.warnings].filter((text) => text);
+  const told = [frame.paced, frame.ended, ...frame.warnings].filter((text) => text);
   return [...bad.map((text) => h("p", { class: "error" }, text)),
     ...told.map((text) => h("p", { class: "warning" }, text))];
-}
-
-function connections(found) {
-  const rows = found.connections.map((c) => [c.source, c.sink,
-    c.unit === c.from_unit ? unitOf(c.unit) : `${unitOf(c.from_unit)} to ${unitOf(c.unit)}`,
-    c.youngest === c.oldest ? c.oldest : `${c.youngest} to ${c.oldest}`, c.remark]);
-  const held = found.undriven.map((u) => h("li", {}, `${u.input} = ${number(u.value)} ${unitOf(u.unit)}`));
-  return h("div", {},
-    table("Every connection, its unit and its age when it is taken",
-      ["from", "to", "unit", "age", "remark"], rows),
-    held.length ? h("details", {}, h("summary", {}, `${held.length} inputs that nothing drives hold their start`),
-      h("ul", {}, held)) : null);
-}
-
-function components(found) {
-  return table("Components, each an FMU", ["name", "FMU", "kind", "step", "latency", "steps"],
-    found.components.map((c) => [c.name, `${c.fmu}`, c.kind, c.rate, String(c.latency), String(c.steps)]));
 }

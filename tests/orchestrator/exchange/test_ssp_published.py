@@ -4,25 +4,20 @@ from pathlib import Path
 
 import pytest
 from effort import EFFORT
-from random_systems import STUDIES
 
 from orchestrator.exchange.ssp.beside import write_beside
 from orchestrator.exchange.ssp.load import load_package
 from orchestrator.exchange.ssp.write import export_ssp, members
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.lock import locked
-from orchestrator.scenario.reading import load_scenario
+from orchestrator.scenario.reading import load_scenario, scenarios, studies
 from orchestrator.session import run_earlier
 
 SAMPLE = ("ball_screw_pole_placement/p_pi_split_track_500", "gantry/circle_1")
 
 
 def published() -> list[str]:
-    return [
-        f"{file.parent.name}/{file.stem}"
-        for file in sorted(STUDIES.glob("*/*.toml"))
-        if not file.name.startswith(("_", "reference"))
-    ]
+    return [f"{study.name}/{name}" for study in studies() for name in scenarios(study)]
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

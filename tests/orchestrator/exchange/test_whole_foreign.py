@@ -54,6 +54,24 @@ def test_rows_are_those_of_the_run(fmi: Fmi, tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.array(whole.rows(STEP, 100)).T, found[:, :101])
 
 
+def test_compositions_nest(tmp_path: Path) -> None:
+    """One in one in one, the innermost with an FMU of others inside."""
+    text = THREE_RATES.replace(LATE, f'fmu = "{theirs(tmp_path, "late")}"')
+    rows, name = [], "late.y"
+    for depth in range(3):
+        folder = tmp_path / str(depth)
+        folder.mkdir()
+        whole = exported(text, folder, outputs=[name])
+        whole.begin()
+        rows.append(whole.rows(STEP, 300))
+        text = (
+            f'stop = "1/10"\n[components.inner]\nfmu = "{folder / "whole.fmu"}"\n'
+            f'step = "{STEP}"\n[record]\n"inner.{name}" = true\n'
+        )
+        name = f"inner.{name}"
+    assert rows[0] == rows[1] == rows[2]
+
+
 def test_an_outside_input_reaches_one_of_them(tmp_path: Path) -> None:
     """As it does where the same model is compiled in."""
     text = THREE_RATES.replace('step = "1/4000"', 'step = "1 kHz"')

@@ -1,5 +1,6 @@
 """What can be saved is; what cannot is refused in words before the run."""
 
+import shutil
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -19,6 +20,8 @@ from orchestrator.system import Component, Fault, Isolation, System
 
 MS = Fraction(1, 1000)
 EVERY = Checkpoints(2 * MS)
+PI = Path(__file__).parents[2] / "fmus" / "small_models" / "pi.py"
+SHORT = 'stop = "1/100"\ncomponents.pi.fmu = "pi.py"\nrecord = { "pi.u" = true }\n'
 
 
 def pair(**options: object) -> System:
@@ -111,8 +114,9 @@ def test_the_verb_says_what_cannot_be_resumed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    track = "ball_screw_pole_placement/mc_ppc_track_500"
-    short = ["run", track, "--set", "stop=0.001"]
+    shutil.copyfile(PI, tmp_path / "pi.py")
+    Path("s.toml").write_text(SHORT)
+    short = ["run", "s.toml"]
 
     def said(*words: str) -> str:
         done = CliRunner().invoke(app, list(words))
@@ -121,7 +125,7 @@ def test_the_verb_says_what_cannot_be_resumed(
 
     assert CliRunner().invoke(app, short).exit_code in (0, 1)
     assert "is complete; there is nothing to resume" in said("resume", "1")
-    (tmp_path / "runs" / track / "1" / "metrics.json").unlink()
+    (tmp_path / "runs" / "s" / "1" / "metrics.json").unlink()
     assert "has no checkpoints to go on from" in said("resume", "1")
     assert "there is no run '7'" in said("resume", "7")
-    assert "two runs" in said(*short, "--checkpoint", "1", "--swap", "plant=x.fmu")
+    assert "two runs" in said(*short, "--checkpoint", "1", "--swap", "pi=x.fmu")

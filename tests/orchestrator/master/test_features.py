@@ -31,6 +31,7 @@ EXECUTORS = ("python", "kernel", "fused", "lanes")
 
 
 CHECKPOINT = "checkpoint and resume"
+PACE = "held to the clock (pace)"
 
 
 def pair(**options: object) -> System:
@@ -271,6 +272,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "Python FMU": lambda _: python_fmu(),
     "FMU that ends the run": ending,
     "model exchange with state events": falling,
+    PACE: lambda _: mixed(),
     CHECKPOINT: lambda _: mixed(),
 }
 
@@ -309,8 +311,9 @@ def interrupting(write: Callable[..., None]) -> Callable[..., None]:
 def carried_out(
     given: System, executor: str, folder: Path, feature: str = ""
 ) -> dict[str, Signal]:
-    if feature == CHECKPOINT and executor == "lanes":
-        verb = ["sweep", "x", "--checkpoint", "1"]
+    if feature in (CHECKPOINT, PACE) and executor == "lanes":
+        option = "--pace" if feature == PACE else "--checkpoint"
+        verb = ["sweep", "x", option, "1"]
         raise FeedDriveError(CliRunner().invoke(app, verb).output)
     if executor == "lanes":
         (member,) = Lanes(plan(given), frozenset(given.record), 4).run([{}])
@@ -320,7 +323,8 @@ def carried_out(
         return dict(member.signals)
     if feature == CHECKPOINT:
         return dict(resumed(given, executor, folder))
-    done: Result = simulate(given, folder / executor, executor=executor)  # type: ignore[arg-type]
+    options = {"executor": executor, "pace": 1.0 if feature == PACE else None}
+    done: Result = simulate(given, folder / executor, **options)  # type: ignore[arg-type]
     return dict(done)
 
 

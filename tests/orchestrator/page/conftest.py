@@ -16,7 +16,7 @@ from orchestrator.supplied import PROJECT
 def site(
     fmu_cache: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[SimpleNamespace]:
-    """The example of a drive of one's own, copied and served."""
+    """What `feeddrive new` makes, served."""
     folder = tmp_path_factory.mktemp("page") / "drive"
     shutil.copytree(PROJECT, folder)
     with served(folder) as address:

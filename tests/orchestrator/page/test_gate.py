@@ -112,7 +112,9 @@ def test_a_socket_needs_the_token_and_sense(site: SimpleNamespace) -> None:
         "/static/%2e%2e/server.py",
         "/static/..%2f..%2ferrors.py",
         "/static//etc/passwd",
-        "/report/../pyproject.toml",
+        "/report/../outside.html",
+        "/report/pyproject.toml",
+        "/report/..%2foutside.html",
         "/report/..%2f..%2fpyproject.toml",
         "/report/%2fetc%2fpasswd",
         "/api/scenario?name=../outside.toml",
@@ -127,6 +129,7 @@ def test_nothing_outside_of_the_project_is_read(
 ) -> None:
     outside = site.folder.parent / "outside.toml"
     outside.write_text('title = "secret"')
+    outside.with_suffix(".html").write_text("secret")
     link = site.folder / "link.toml"
     if not link.is_symlink():
         link.symlink_to(outside)

@@ -50,6 +50,28 @@ def test_a_run_is_kept_with_what_was_moved(
     )
 
 
+def test_runs_are_compared_by_ticking_them(
+    browser: Page, site: SimpleNamespace
+) -> None:
+    for gain in (0.6, 0.9):
+        browser.scenario("tests/speed_step.toml")
+        browser.drag("controller.K_p", [gain])
+        browser.click("Run and keep")
+        browser.until("#status", text="run kept in runs/")
+    browser.open()
+    browser.until("tbody input[type=checkbox]")
+    ticks = browser.driver.find_elements("css selector", "tbody input[type=checkbox]")
+    for tick in ticks[:2]:
+        tick.click()
+    browser.click("Compare 2 runs")
+    row = browser.until("tr", text="components.controller.parameters.K_p").text
+    assert row.split()[-2:] == ["0.9", "0.6"]
+    assert "%" in browser.until("tr", text="speed.overshoot").text
+    names = [c.text for c in browser.driver.find_elements("css selector", ".u-title")]
+    assert "motor.omega" in names
+    assert any("motor.omega: difference to runs/" in name for name in names)
+
+
 def test_a_run_shows_how_far_it_is_and_can_be_aborted(
     browser: Page, site: SimpleNamespace
 ) -> None:
@@ -65,6 +87,14 @@ def test_a_run_shows_how_far_it_is_and_can_be_aborted(
     ended = json.loads((kept[-1] / "ended.json").read_text())
     assert ended["how"] == "interrupted"
     assert len(Result(kept[-1])["motor.omega"]) > 1
+
+
+def test_a_run_is_held_to_the_clock(browser: Page) -> None:
+    browser.scenario("tests/speed_step.toml")
+    browser.put("pace", "0.2")
+    browser.click("Run and keep")
+    told = browser.until("p.warning", text="paced at 0.2 x real time: ").text
+    assert "blocks, jitter " in told
 
 
 def test_a_zoom_shows_every_recorded_point(browser: Page) -> None:

@@ -32,9 +32,7 @@ def test_an_error_stands_where_it_belongs_and_the_next_position_is_drawn(
     browser: Page,
 ) -> None:
     browser.scenario("tests/speed_step.toml")
-    field = browser.until("[id='p-controller.K_p']")
-    field.clear()
-    field.send_keys("1e9\t")
+    browser.put("p-controller.K_p", "1e9\t")
     said = "controller (SpeedPI.fmu): i is -inf at t = 0.01825 s; finite values"
     browser.until("p.error", text=said)
     (one,) = browser.drag("controller.K_p", [1.0])
@@ -44,8 +42,7 @@ def test_an_error_stands_where_it_belongs_and_the_next_position_is_drawn(
 
 def test_a_value_beyond_its_bound_is_refused_at_its_field(browser: Page) -> None:
     browser.scenario("tests/speed_step.toml")
-    field = browser.until("[id='p-motor.J']")
-    field.clear()
-    field.send_keys("-1\t")
+    browser.put("p-motor.J", "-1\t")
     browser.until(".parameter .error", text="at least ")
+    field = browser.until("[id='p-motor.J']")
     assert field.get_attribute("aria-invalid") == "true"

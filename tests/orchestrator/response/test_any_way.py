@@ -57,6 +57,8 @@ def test_compliance_and_tracking_are_the_exact_ones_of_the_closed_loop() -> None
     wanted = P * C / z / (1 + respond(loop, command.hz[low]).L)
     assert decibels(command.G[low, 0, 0], wanted) < 0.01
     assert degrees(command.G[low, 0, 0], wanted) < 0.1
+    equations = traced(composition, command)
+    assert decibels(command.G[low, 0, 0], equations.G[low, 0, 0]) < 1e-3
     assert figures("way", command)["way.peak"].value == pytest.approx(
         np.max(np.abs(wanted)), rel=0.02
     )
