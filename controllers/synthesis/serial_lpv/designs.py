@@ -37,7 +37,7 @@ SCALE = {"": single.UNDISTURBED, "_disturbed": 1.0}  # of the disturbance
 STEPS = 4  # of the descent's step 1, disturbance off
 AIM = 26.0  # γ_d before the option, disturbance on
 RELAXED = 1.01  # of γ, for the least rate of K
-WIDTH = {"": 0.02, "_disturbed": 0.06}  # of the bracket of γ_d
+WIDTH = 0.06  # of the bracket of γ_d, relative
 DISTURBANCE = {"k_undisturbed": single.UNDISTURBED, "k_disturbed": 1.0}
 SINGLE = {"": "k_undisturbed", "_disturbed": "k_disturbed"}
 
@@ -87,16 +87,20 @@ def _hysteresis(case: str) -> list[str]:
 
 
 def _made_smooth(case: str) -> dict[str, str]:
-    """Make a smooth design: steps 1 to 3, the option (6.46), bisection of γ_d.
+    """Make a smooth design: the descent, the option (6.46), and step 1 once more.
 
-    With the disturbance on step 2 stops the solver unless K's rate is bounded.
+    With the disturbance on step 2 stops the solver unless K's rate is bounded; there
+    γ_d is bisected at the η that the option came to.
     """
     begun = smooth_start(case)
-    found = reach(find_P(begun), AIM, 0.0) if case else descend(begun, STEPS)
-    slow = find_P(find_slow_K(found, RELAXED))
-    eta = rate_bound(slow, slow.problem.points)
-    bound = lower_bound(begun.start.problem)
-    found, tried = bisect(slow, eta, bound, WIDTH[case])
+    tried: tuple[tuple[float, float], ...] = ()
+    if case:
+        found = reach(find_P(begun), AIM, 0.0)
+        slow = find_P(find_slow_K(found, RELAXED))
+        eta = rate_bound(slow, slow.problem.points)
+        found, tried = bisect(slow, eta, lower_bound(begun.start.problem), WIDTH)
+    else:
+        found = find_P(find_slow_K(descend(begun, STEPS), RELAXED))
     text = smooth_file.text(
         found, NAMES, (AXIS,), single.T_S, smooth.dense(), tried=tried
     )

@@ -48,3 +48,13 @@ def test_two_controllers_with_hysteresis_certify_with_their_tables(
 ) -> None:
     found = figures.hysteresis(case)
     assert found["dense"] <= dense
+
+
+def test_with_the_disturbance_on_the_blend_is_better_than_one_controller() -> None:
+    """γ_d of the bisection is reached, and η is an eighth of the start's."""
+    about = designs.smooth_content("_disturbed")["design"]
+    wanted, reached = about["gamma_d"][-1]
+    assert reached == about["history"][-1] <= wanted
+    found = figures.smooth_switching("_disturbed")
+    assert 23.86 < max(found["dense"], found["table"]) < 24.8
+    assert found["eta"] < found["eta_begun"] / 8
