@@ -1,7 +1,8 @@
 """FMUs that stay loaded from one run to the next, of the same system or a like one.
 
 Each is instantiated again for every run, in the library and the process that it
-has.  What the next system does not need is freed when its first run begins.
+has.  Of what the next system does not need some libraries stay for the one after it;
+processes are freed when its first run begins.
 """
 
 from collections.abc import Mapping
@@ -10,12 +11,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
+from orchestrator.instances.instance import LocalInstance
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.apart import let_in
 from orchestrator.master.layout import Part
 from orchestrator.master.simulate import open_instance
 from orchestrator.master.timetable import Timetable
 from orchestrator.system import Isolation
+
+IDLE = 16  # FMU files in this process that stay loaded and are not needed
 
 Numbers: TypeAlias = tuple[tuple[str, int], ...]  # names of variables, with sizes
 Key: TypeAlias = tuple[str, Isolation, Numbers, Numbers]
@@ -28,6 +32,11 @@ class _Shelf:
     stack: ExitStack = field(default_factory=ExitStack)
     folders: dict[Path, Path] = field(default_factory=dict)
     instances: dict[Key, Instance] = field(default_factory=dict)
+
+    @property
+    def is_here(self) -> bool:
+        """Tell whether no instance has a process of its own."""
+        return all(isinstance(i, LocalInstance) for i in self.instances.values())
 
 
 class Loaded:
@@ -54,10 +63,15 @@ class Loaded:
             self._shelves.pop(path).stack.close()
 
     def _free_others(self, parts: Mapping[str, Part], keys: Mapping[str, Key]) -> None:
+        idle = []
         for path, shelf in list(self._shelves.items()):
             wanted = {keys[n] for n, part in parts.items() if part.fmu.path == path}
-            if not wanted or not wanted <= shelf.instances.keys():
+            if not wanted and shelf.is_here:
+                idle.append(path)
+            elif not wanted or not wanted <= shelf.instances.keys():
                 self._shelves.pop(path).stack.close()
+        for path in idle[:-IDLE]:
+            self._shelves.pop(path).stack.close()
 
     def _one(self, part: Part, key: Key) -> Instance:
         shelf = self._shelves.setdefault(part.fmu.path, _Shelf())

@@ -31,7 +31,8 @@ class Asking:
         if verb not in ASKED:
             raise ScenarioError(f"{verb!r} is none of {', '.join(ASKED)}")
         file = project.scenario(str(said["scenario"]))
-        self._folder = project.folder
+        self._project, self._folder, self._verb = project, project.folder, verb
+        self._known = {entry.name for entry in project.runs()}
         self._command = [sys.executable, "-m", "orchestrator", verb, "--json"]
         for key, value in dict(said.get("options", {})).items():
             if key not in ASKED[verb]:
@@ -77,16 +78,23 @@ class Asking:
         if "error" in answer:
             kind = Interrupted if self._aborted else FeedDriveError
             raise kind(str(answer["error"]))
-        return {"told": answer, "pages": self._pages(answer), "last": last}
+        kept = [
+            e.folder
+            for e in self._project.runs()
+            if e.name not in self._known and e.kind == self._verb
+        ]
+        return {"told": answer, **self._written(answer, kept[:1])}
 
-    def _pages(self, answer: Mapping[str, Any]) -> list[str]:
-        """Return the pages that were written, by their path below the folder."""
-        found: list[Path] = []
-        if "result" in answer:
-            found = sorted((self._folder / answer["result"]).glob("*.html"))
-        if "scenario" in answer and str(answer["scenario"]).endswith(".toml"):
-            page = self._folder / str(answer["scenario"])
-            found += [page.with_suffix(".html")] * page.with_suffix(".html").is_file()
-        pages = (page.resolve() for page in found)
-        own = (p for p in pages if p.is_relative_to(self._folder))
-        return [page.relative_to(self._folder).as_posix() for page in own]
+    def _written(self, answer: Mapping[str, Any], kept: list[Path]) -> dict[str, Any]:
+        """Return the folder that was kept and the pages that were written, by their
+        paths below the project's."""
+        found = [page for folder in kept for page in sorted(folder.glob("*.html"))]
+        if str(answer.get("scenario", "")).endswith(".toml"):
+            page = (self._folder / str(answer["scenario"])).with_suffix(".html")
+            found += [page] * page.is_file()
+        paths = [
+            path.resolve().relative_to(self._folder).as_posix()
+            for path in (*kept, *found)
+            if path.resolve().is_relative_to(self._folder)
+        ]
+        return {"kept": paths[: len(kept)], "pages": paths[len(kept) :]}

@@ -86,7 +86,9 @@ def traced(composition: Composition, found: Measured) -> Traced:
         wiring = plan(at.system(ones, n, 1)).wiring
         parts = {
             name: Linear(
-                wiring.parts[name], load_model(composition.sources[name]), points[name]
+                wiring.parts[name],
+                load_model(composition.module(name)),
+                points[name],
             )
             for name in at.rates.way
         }

@@ -94,6 +94,12 @@ class Composition:
         """
         return self._values[0].unit(name)
 
+    def module(self, name: str) -> str:
+        """Return the module, or model file by its path, of a component of ours."""
+        source = self.sources[name]
+        beside = self.scenario.file.parent / source
+        return str(beside) if source.endswith(".py") else source
+
     def refuse_text(self, name: str) -> None:
         """Raise ``ScenarioError`` if a variable holds texts, which have no figure."""
         self._values[0].refuse_text(name)

@@ -7,6 +7,7 @@ of others may read files or draw random numbers and are called every time.
 
 import json
 from collections.abc import Callable, Mapping
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from typing import Any
@@ -52,5 +53,9 @@ def _key(call: str, arguments: Mapping[str, Any], sources: str) -> str:
         name: (value.shape, value.tolist()) if isinstance(value, np.ndarray) else value
         for name, value in sorted(arguments.items())
     }
-    versions = [version(package) for package in PACKAGES]
-    return sha256(repr((call, told, sources, versions)).encode()).hexdigest()[:32]
+    return sha256(repr((call, told, sources, _versions())).encode()).hexdigest()[:32]
+
+
+@cache
+def _versions() -> list[str]:
+    return [version(package) for package in PACKAGES]

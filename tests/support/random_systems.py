@@ -7,6 +7,7 @@ from pathlib import Path
 from hypothesis import strategies as st
 from systems import part
 
+from orchestrator.scenario.reading import scenarios, studies
 from orchestrator.system import Component, Mapped, System
 
 PERIODS = ["1/1000", "1/1500", "1/400"]
@@ -62,11 +63,8 @@ def systems(draw: st.DrawFn) -> System:
     return System("random", stop, {c.name: c for _, c in made}, connections, record)
 
 
-STUDIES = Path(__file__).parents[2] / "orchestrator" / "studies"
 SCENARIOS = sorted(
-    f"{file.parent.name}/{file.stem}"
-    for file in STUDIES.glob("*/*.toml")
-    if file.stem != "reference" and not file.stem.startswith("_")
+    f"{folder.name}/{name}" for folder in studies() for name in scenarios(folder)
 )
 
 

@@ -31,8 +31,7 @@ def fmu_for(composition: Composition, name: str, platforms: Sequence[str]) -> Pa
             f"--platform {lacking[0]}: {name} ({source}) has no binary for it; it has "
             f"{', '.join(fmu.platforms) or 'none'}"
         )
-    is_file = source.endswith(".py")
-    module = str(composition.scenario.file.parent / source) if is_file else source
+    module = composition.module(name)
     sampled = isinstance(load_model(module), Sampled)
     period = composition.system.components[name].period if sampled else None
     return build(

@@ -130,7 +130,7 @@ class Lanes:
     def _run(self, group: Sequence["Start"], width: int) -> Iterator[Member]:
         if not group:
             return
-        rows, turned = self._rooms(width)
+        rows = self._rows(width)
         vector = aligned((max(1, self._timetable.wiring.size), width))
         memory = Memory(self._source, width, vector, rows)
         self._fill(memory, group, width)
@@ -145,8 +145,8 @@ class Lanes:
         if engine.failure == UNSETTLED:
             yield from (Member(unsettled=True) for _ in group)
             return
-        for name, of in rows.items():
-            turned[name][:] = of.transpose(2, 1, 0)
+        # every lane's side by side, in one piece: many small ones cost new pages each
+        turned = {n: of.transpose(2, 1, 0).copy() for n, of in rows.items()}
         members = []
         for lane in range(len(group)):
             failure = self._failure(memory, lane, width)
@@ -156,21 +156,16 @@ class Lanes:
                 members.append(Member(self._signals(turned, lane)))
         yield from members
 
-    def _rooms(self, width: int) -> tuple[dict[str, FloatArray], Start]:
-        """Return where rows are written, and where every lane's lie side by side.
-
-        Each thread keeps its own: new pages cost as much as the steps.
-        """
+    def _rows(self, width: int) -> dict[str, FloatArray]:
+        """Return where rows are written, kept by each thread: new pages cost time."""
         if getattr(self._kept, "width", None) != width:
-            shapes = {
-                n: (len(t), len(self._columns[n])) for n, t in self._times.items()
-            }
-            self._kept.rows = {n: aligned((*s, width)) for n, s in shapes.items()}
-            self._kept.turned = {
-                n: np.empty((width, *s[::-1])) for n, s in shapes.items()
+            self._kept.rows = {
+                n: aligned((len(t), len(self._columns[n]), width))
+                for n, t in self._times.items()
             }
             self._kept.width = width
-        return self._kept.rows, self._kept.turned
+        found: dict[str, FloatArray] = self._kept.rows
+        return found
 
     def _fill(self, memory: Memory, group: Sequence["Start"], width: int) -> None:
         for name, own in self._source.own.items():
@@ -220,7 +215,7 @@ class Lanes:
         for table, times in self._times.items():
             signals = tables.setdefault(self._periods[table], {})
             for i, column in enumerate(self._columns[table]):
-                values = rows[table][lane, i].copy()
+                values = rows[table][lane, i]
                 if column.affine.converts:
                     values = column.affine.gain * values + column.affine.offset
                 signals[column.name] = Signal(

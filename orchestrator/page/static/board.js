@@ -64,7 +64,8 @@ export class Board {
   plot(panel, shown) {
     const figure = h("figure", {});
     this.place.append(figure);
-    const compared = new Set(panel.curves.map((c) => c.run)).size > 1;
+    const runs = this.frame.panels.flatMap((p) => p.curves.map((c) => c.run));
+    const compared = new Set(runs).size > 1;
     const series = panel.curves.map((curve, i) => {
       const before = panel.curves.slice(0, i).filter((c) => c.run === curve.run && !c.reference);
       return line(curve, i, compared, before.length);

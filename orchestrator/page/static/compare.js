@@ -53,5 +53,6 @@ function told(frame, draw) {
 
 function change({ values: [a, b], units }) {
   if (a === null || b === null || units[0] !== units[1] || a === 0) return "";
-  return `${b >= a ? "+" : ""}${number(100 * (b / a - 1), 3)} %`;
+  const percent = 100 * (b / a - 1);
+  return Math.abs(percent) > 1000 ? "" : `${percent >= 0 ? "+" : ""}${number(percent, 3)} %`;
 }

@@ -59,9 +59,9 @@ export class Questions {
       this.log.scrollTop = this.log.scrollHeight;
     });
     try {
-      const { pages, told } = await this.asked.promise;
+      const { pages, kept, told } = await this.asked.promise;
       this.answer.replaceChildren(h("p", { class: "good", role: "status" },
-        `${verb} is done${told.result ? `, kept in ${told.result}` : told.scenario ? `: ${told.scenario}` : ""}.`),
+        `${verb} is done${kept.length ? `, kept in ${kept[0]}` : `: ${told.scenario}`}.`),
       ...pages.flatMap((page) => [
         h("p", {}, h("a", { href: `/report/${encodeURI(page)}`, target: "_blank" }, page)),
         h("iframe", { src: `/report/${encodeURI(page)}`, title: `${verb}: ${page}`, sandbox: "allow-scripts" })]));

@@ -27,3 +27,15 @@ def test_a_sweep_is_asked_and_its_report_shown(
         assert browser.driver.execute_script("return window.origin") == "null"
     finally:
         browser.driver.switch_to.default_content()
+
+
+def test_a_response_is_asked_of_models_beside_the_scenario(
+    browser: Page, site: SimpleNamespace
+) -> None:
+    browser.scenario("tests/speed_step.toml")
+    browser.press("summary", "Response: ")
+    browser.put("Response-break", "controller.i")
+    browser.click("ask Response")
+    told = browser.until("p.good", text="response is done, kept in runs/").text
+    folder = site.folder / told.removesuffix(".").rpartition(" ")[2]
+    assert (folder / "response.html").is_file()
