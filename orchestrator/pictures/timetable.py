@@ -66,7 +66,7 @@ class _Drawing:
         self.unit, self.factor = self._unit()
 
     def svg(self) -> str:
-        title = f"Timetable of {self.plan.name}"
+        title = f"Timetable of {', '.join(self.parts)}"
         below = [*self._list()]
         height = self.foot + 40 + LINE * (len(self.links) + 2)
         return picture(

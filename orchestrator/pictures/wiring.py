@@ -8,6 +8,7 @@ age.  What nothing drives stands in the box, with the value that holds.
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from html import escape
 from typing import Any
 
 from orchestrator.master.layout import Part
@@ -71,7 +72,8 @@ def wiring_picture(timetable: Timetable) -> str:
     shapes.append(text(12, height - 10, legend, "soft small"))
     heads = arrow_heads("edge", "aged")
     width = max(width, 24 + width_of(legend, SMALL))
-    return picture(width, height, f"Wiring of {system.name}", [heads, *shapes])
+    title = f"Wiring of {', '.join(parts)}"
+    return picture(width, height, title, [heads, *shapes])
 
 
 def _words(part: Part, free: Sequence[Undriven]) -> list[tuple[str, str, str]]:
@@ -189,7 +191,7 @@ def _box(
 ) -> Iterator[str]:
     x, y = placed["x"], placed["y"]
     size = placed["width"], placed["height"]
-    yield f'<g data-component="{placed["id"]}">'  # a plain name
+    yield f'<g data-component="{escape(placed["id"])}">'
     yield box(x, y, *size, "box", 'stroke="var(--line)" rx="5"')
     for i, (said, look, tip) in enumerate(lines):
         yield text(x + PAD, y + PAD + 10 + LINE * i, said, look, tip=tip)

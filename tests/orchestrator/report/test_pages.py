@@ -79,7 +79,8 @@ def test_the_library_is_the_file_that_was_published() -> None:
 
 def test_two_runs_of_one_wiring_show_it_once(track: SimpleNamespace, tmp_path) -> None:
     page = write_report([track.run, track.run], tmp_path / "x.html").read_text()
-    assert page.count("<title>Wiring of") == 1
+    assert page.count("<title>Wiring of trajectory, controller, plant, encoder<") == 1
+    assert page.count("<title>Timetable of") == 1
 
 
 def test_a_scenario_shows_its_pictures_or_why_there_are_none(tmp_path) -> None:
