@@ -18,11 +18,13 @@ from pydantic import (
     Field,
     PlainSerializer,
     PlainValidator,
+    field_validator,
     model_validator,
 )
 
 from orchestrator.errors import did_you_mean
 from orchestrator.evaluation.rates import named_period
+from orchestrator.plugins import named
 from orchestrator.quantities.quantity import parse_time
 
 Factor: TypeAlias = float | str
@@ -217,6 +219,16 @@ class PluginMetric(_Metric):
     kind: Literal["plugin"]
     name: str
     arguments: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("name")
+    @classmethod
+    def _is_added(cls, value: str) -> str:
+        if value not in (known := named("metrics")):
+            raise ValueError(
+                f"no installed package adds a metric {value!r} (entry points of "
+                f"feeddrive.metrics); {did_you_mean(value, known)}"
+            )
+        return value
 
 
 MetricSpec: TypeAlias = Annotated[

@@ -1,8 +1,9 @@
 """Clocks of an FMI 3.0 FMU: which the master ticks, and why it does not tick another.
 
 An FMU with one input clock of a fixed period, and no other input clock, is sampled by
-it: the master activates it in event mode.  Clocks that are outputs tick by themselves
-and carry no value.
+it: the master activates it in event mode.  An FMU for co-simulation that declares no
+event mode ticks its clocks itself (FMI 3.0.2, 4.1: it is stepped as in FMI 2).  Clocks
+that are outputs tick by themselves and carry no value.
 """
 
 from collections.abc import Mapping
@@ -26,11 +27,14 @@ class Clock:
 
 
 def clocks_of(root: Any) -> Mapping[str, Clock]:
-    """Return the clocks of a model description by their names.
+    """Return the clocks that an importer may have to tick, by their names.
 
     Raises:
         ValueError: an interval or shift is none.
     """
+    told = root.find("CoSimulation")
+    if told is not None and not _has_event_mode(told):
+        return {}
     found = {}
     for one in root.iterfind("ModelVariables/Clock"):
         variability = one.get("intervalVariability", "")
@@ -47,6 +51,10 @@ def clocks_of(root: Any) -> Mapping[str, Clock]:
     return found
 
 
+def _has_event_mode(told: Any) -> bool:
+    return told.get("hasEventMode") in ("true", "1")
+
+
 def _time(one: Any, key: str) -> Fraction | None:
     counter, resolution = one.get(f"{key}Counter"), one.get("resolution")
     if counter and resolution and one.get("supportsFraction") in ("true", "1"):
@@ -59,8 +67,7 @@ def ticked(clocks: Mapping[str, Clock], root: Any) -> Clock | None:
     """Return the clock that the master ticks."""
     inputs = [clock for clock in clocks.values() if clock.is_input]
     told = root.find("CoSimulation")
-    events = told is not None and told.get("hasEventMode") in ("true", "1")
-    if not events or len(inputs) != 1 or inputs[0].period is None or inputs[0].shift:
+    if told is None or len(inputs) != 1 or inputs[0].period is None or inputs[0].shift:
         return None
     return inputs[0]
 
@@ -85,6 +92,6 @@ def unticked(clocks: Mapping[str, Clock]) -> str | None:
             f"clocks that begin at 0 are ticked"
         )
     return (
-        f"has the input clock {clock.name} and no event mode of co-simulation, in "
-        f"which it could be ticked"
+        f"has the input clock {clock.name} and no co-simulation, in whose event mode "
+        f"it could be ticked"
     )

@@ -63,11 +63,11 @@ def test_what_would_never_tick_is_refused(clock: str, why: str, tmp_path: Path) 
     assert "would never be computed" in str(refused.value)
 
 
-def test_a_clock_without_event_mode_or_beside_its_period_is_refused(
-    tmp_path: Path,
-) -> None:
-    with pytest.raises(WiringError, match="no event mode of co-simulation"):
-        plan(ticked(clocked(tmp_path / "no", events=False)))
+def test_without_event_mode_an_fmu_ticks_its_clock_itself(tmp_path: Path) -> None:
+    plan(ticked(clocked(tmp_path, events=False)))
+
+
+def test_a_clock_beside_its_period_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FeedDriveError, match="built for a sample time of 1/1000 s"):
         plan(ticked(clocked(tmp_path), period=Fraction(1, 2000)))
     with pytest.raises(WiringError, match="is sampled by its clock, not continuous"):
