@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from orchestrator.reproduction.reproduce import Reproduction
 
 STUDY = "ball_screw_pole_placement"
-COMPARED = ("p_pi_a_track_500", "mc_ppc_track_500")
+COMPARED = ("p_pi_c_track_500", "mc_ppc_track_500")
 
 
 @command

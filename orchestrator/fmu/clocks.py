@@ -1,9 +1,9 @@
 """Clocks of an FMI 3.0 FMU: which the master ticks, and why it does not tick another.
 
 An FMU with one input clock of a fixed period, and no other input clock, is sampled by
-it: the master activates it in event mode.  An FMU for co-simulation that declares no
-event mode ticks its clocks itself (FMI 3.0.2, 4.1: it is stepped as in FMI 2).  Clocks
-that are outputs tick by themselves and carry no value.
+it: the master activates it in event mode.  No importer can tick an FMU for
+co-simulation that declares no event mode: it runs, and a warning says so.  Clocks that
+are outputs tick by themselves and carry no value.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,10 @@ from orchestrator.quantities.quantity import exact
 
 @dataclass(frozen=True)
 class Clock:
-    """One of them; ``period`` and ``shift`` (s) where they are fixed beforehand."""
+    """One of them; ``period`` and ``shift`` (s) where they are fixed beforehand.
+
+    ``tickable``: there is a mode in which an importer could activate it.
+    """
 
     name: str
     reference: int
@@ -24,17 +27,17 @@ class Clock:
     variability: str
     period: Fraction | None
     shift: Fraction
+    tickable: bool
 
 
 def clocks_of(root: Any) -> Mapping[str, Clock]:
-    """Return the clocks that an importer may have to tick, by their names.
+    """Return the clocks of a model description by their names.
 
     Raises:
         ValueError: an interval or shift is none.
     """
     told = root.find("CoSimulation")
-    if told is not None and not _has_event_mode(told):
-        return {}
+    events = told is None or told.get("hasEventMode") in ("true", "1")
     found = {}
     for one in root.iterfind("ModelVariables/Clock"):
         variability = one.get("intervalVariability", "")
@@ -47,12 +50,9 @@ def clocks_of(root: Any) -> Mapping[str, Clock]:
             variability,
             period if period and period > 0 else None,
             _time(one, "shift") or Fraction(0),
+            events,
         )
     return found
-
-
-def _has_event_mode(told: Any) -> bool:
-    return told.get("hasEventMode") in ("true", "1")
 
 
 def _time(one: Any, key: str) -> Fraction | None:
@@ -65,16 +65,21 @@ def _time(one: Any, key: str) -> Fraction | None:
 
 def ticked(clocks: Mapping[str, Clock], root: Any) -> Clock | None:
     """Return the clock that the master ticks."""
-    inputs = [clock for clock in clocks.values() if clock.is_input]
+    inputs = [clock for clock in clocks.values() if clock.is_input and clock.tickable]
     told = root.find("CoSimulation")
     if told is None or len(inputs) != 1 or inputs[0].period is None or inputs[0].shift:
         return None
     return inputs[0]
 
 
+def left_alone(clocks: Mapping[str, Clock]) -> list[str]:
+    """Return the input clocks that no importer could tick."""
+    return [c.name for c in clocks.values() if c.is_input and not c.tickable]
+
+
 def unticked(clocks: Mapping[str, Clock]) -> str | None:
     """Return what of an FMU would never tick, in words; of one that is not ticked."""
-    inputs = [clock for clock in clocks.values() if clock.is_input]
+    inputs = [clock for clock in clocks.values() if clock.is_input and clock.tickable]
     if not inputs:
         return None
     if len(inputs) > 1:

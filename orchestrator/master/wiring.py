@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from orchestrator.errors import ScheduleError, WiringError, did_you_mean
-from orchestrator.fmu.clocks import unticked
+from orchestrator.fmu.clocks import left_alone, unticked
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, connection, ports
 from orchestrator.fmu.typed import held
@@ -24,6 +24,7 @@ from orchestrator.master.layout import (
     kind_of,
 )
 from orchestrator.system import Component, Fault, System, split_name
+from orchestrator.warned import warn
 
 ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
 
@@ -190,6 +191,12 @@ def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
         raise WiringError(
             f"{where}: {fmu.path.name} {why}: what depends on it would never be "
             f"computed; export it without clocks"
+        )
+    if alone := left_alone(fmu.clocks):
+        warn(
+            f"{where}: {fmu.path.name} has the input clock {', '.join(alone)} but "
+            f"declares no event mode, so nothing ticks it; what depends on it is right "
+            f"only if the FMU ticks it itself"
         )
     if fmu.clock is not None and c.kind == "continuous":
         raise WiringError(

@@ -12,6 +12,7 @@ from systems import part, system
 from orchestrator.errors import FeedDriveError, WiringError
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.system import Component, Isolation, System
+from orchestrator.warned import collecting
 
 MS = Fraction(1, 1000)
 N = 20
@@ -63,8 +64,15 @@ def test_what_would_never_tick_is_refused(clock: str, why: str, tmp_path: Path) 
     assert "would never be computed" in str(refused.value)
 
 
-def test_without_event_mode_an_fmu_ticks_its_clock_itself(tmp_path: Path) -> None:
-    plan(ticked(clocked(tmp_path, events=False)))
+def test_without_event_mode_a_clock_is_left_to_the_fmu_and_warned_of(
+    tmp_path: Path,
+) -> None:
+    with collecting() as said:
+        plan(ticked(clocked(tmp_path, events=False)))
+    assert "nothing ticks it" in " ".join(said)
+    with collecting() as said:
+        plan(ticked(clocked(tmp_path / "ticked")))
+    assert said == []
 
 
 def test_a_clock_beside_its_period_is_refused(tmp_path: Path) -> None:
