@@ -1,4 +1,4 @@
-"""Loops by margins: the gains of known margins are found, and none stiffer keep them."""
+"""Loops by margins: known gains are found again, and none stiffer keep the margins."""
 
 import numpy as np
 import pytest
