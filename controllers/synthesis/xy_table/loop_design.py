@@ -112,7 +112,8 @@ def by_margins(
         ValueError: no corner of the integral gives both margins of the speed loop.
     """
     G = axis(b, a_1, a_0, tau + delay)
-    wanted, phase = 10 ** (speed_gain_db / 20), np.deg2rad(speed_phase_deg)
+    wanted = float(10 ** (speed_gain_db / 20))
+    phase = float(np.deg2rad(speed_phase_deg))
 
     def gain(omega_i: float) -> float:
         return _gain_margin(speed_loop(G, 1.0, omega_i)) / wanted
@@ -178,7 +179,7 @@ def stiffest(
             return np.inf
         return -float(np.log(found.k_v * found.k_i))
 
-    tried = np.linspace(*np.log(CORNERS), 25)
+    tried = np.linspace(np.log(CORNERS[0]), np.log(CORNERS[1]), 25)
     values = [slope(float(one)) for one in tried]
     best = int(np.argmin(values))
     if not np.isfinite(values[best]):
@@ -235,5 +236,9 @@ def from_run(
         scale: from the unit of y to mm.
     """
     drive = identify(u, y, T_s, scale=scale)
-    wanted = (speed_gain_db, speed_phase_deg, position_gain_db)
-    return by_margins(*(drive[name] for name in ("b", "a_1", "a_0", "tau")), *wanted)
+    return by_margins(
+        **drive,
+        speed_gain_db=speed_gain_db,
+        speed_phase_deg=speed_phase_deg,
+        position_gain_db=position_gain_db,
+    )
