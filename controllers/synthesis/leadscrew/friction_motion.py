@@ -8,8 +8,9 @@ r = lead/2π,
 
     T_c = f (J + M r²)/r,    C_sd = c (J + M r²),    a = K_m r/(J + M r²)
 
-A pulse of braking u_b (1 + cos πt/t_b)/2 stops the table exactly at its end, without
-turning it back, for one t_b: with the run's a, c and f it is solved for.
+The shortest pulse of braking u_b (1 + cos πt/t_b)/2 that stops the table stops it at
+its end: with the run's a, c and f its t_b is solved for.  A much longer one stops it
+while the current still overcomes the friction, and turns it back.
 Source: Maeda 2007, appendix ("by traditional means"), fig. 2-3, 5-2 (the period "is
 adjusted by try-and-error so that the velocity approaches zero without becoming
 negative").
@@ -57,8 +58,8 @@ def fit(x: FloatArray, i: FloatArray, T_s: float, slowest: float = SLOWEST) -> M
     charge = np.cumsum(i)[here] * T_s
     columns = np.stack([charge, -x[here], -t, np.ones_like(t)], axis=1)
     size = np.linalg.norm(columns, axis=0)
-    weighed = columns / size
-    if np.linalg.cond(weighed) > 1e8:
+    weighed = columns / np.maximum(size, 1e-300)
+    if np.min(size) == 0 or np.linalg.cond(weighed) > 1e8:
         raise ValueError("the current does not change: its effect is not told apart")
     a, c, f, _ = found = np.linalg.lstsq(weighed, v[here])[0] / size
     left = float(np.sqrt(np.mean((columns @ found - v[here]) ** 2)))
@@ -103,7 +104,7 @@ def braking(
         u_b: its height (A).
 
     Raises:
-        ValueError: the run does not move at t_off, or friction alone stops it sooner.
+        ValueError: the run does not move at t_off, or shows no Coulomb friction.
     """
     found = fit(x, i, T_s, slowest)
     off = round(t_off / T_s)
@@ -111,6 +112,9 @@ def braking(
     v_0 = float(3 * x[off] - 4 * x[off - 1] + x[off - 2]) / (2 * T_s)
     if v_0 <= slowest:
         raise ValueError(f"the run does not move at {t_off:g} s, when braking begins")
+
+    if found.f <= 0:
+        raise ValueError("the run shows no Coulomb friction: nothing ends its motion")
 
     def at_the_end(t_b: float) -> float:
         """Return the speed (m/s) when a pulse of that length, held by samples, ends."""
@@ -121,10 +125,8 @@ def braking(
         rubbed = found.f * t_b * _mean_decay(found.c * t_b)
         return float(v_0 * np.exp(-found.c * t_b) - pushed - rubbed)
 
-    longest = v_0 / found.f
-    if at_the_end(longest) > 0:
-        raise ValueError("friction alone stops the table sooner than the braking")
-    return {"t_b": float(brentq(at_the_end, 10 * T_s, longest, xtol=1e-7))}
+    # with friction alone it stops before v_0/f
+    return {"t_b": float(brentq(at_the_end, 0.0, v_0 / found.f, xtol=1e-7))}
 
 
 def _mean_decay(product: float) -> float:
