@@ -120,9 +120,7 @@ def reproduce(
     ] = False,
     closed: Annotated[
         bool,
-        typer.Option(
-            "--closed", help="only what a second edition closed, in a table"
-        ),
+        typer.Option("--closed", help="only what a second edition closed, in a table"),
     ] = False,
     json: Json = False,
     verbose: Verbose = False,
