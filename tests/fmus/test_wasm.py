@@ -1,4 +1,4 @@
-"""The module inside an FMU for WebAssembly is an FMU, with the bits of the native one."""
+"""The module in an FMU for WebAssembly is an FMU, with the bits of the native one."""
 
 import json
 import subprocess
