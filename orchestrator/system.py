@@ -126,13 +126,23 @@ class Injection:
 
 
 @dataclass(frozen=True)
+class Iterated:
+    """Components whose inputs from one another are made to agree at every instant, up
+    to ``tolerance`` of a number, or of 1 if that is more.
+    """
+
+    components: tuple[str, ...]
+    tolerance: float = 1e-9
+
+
+@dataclass(frozen=True)
 class System:
     """A composition of FMUs over the closed interval [0, stop].
 
     ``connections`` are keyed by the sink, so that no input is driven twice.
     ``record`` gives the row periods of every recorded variable.  ``faults``, by the
     sink of a connection, act in the order they are written.  ``injections``, by the
-    input, are added before faults act.
+    input, are added before faults act.  ``groups`` are iterated, by their names.
     """
 
     name: str
@@ -142,6 +152,7 @@ class System:
     record: Mapping[str, tuple[Fraction, ...]]
     faults: Mapping[str, tuple[Fault, ...]] = field(default_factory=dict)
     injections: Mapping[str, Injection] = field(default_factory=dict)
+    groups: Mapping[str, Iterated] = field(default_factory=dict)
 
 
 def split_name(variable: str) -> tuple[str, str]:

@@ -23,6 +23,7 @@ from fmus.cache import digest, on_disk
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.instances.saving import restore, save
+from orchestrator.master.groups import only_python
 from orchestrator.master.recorder import Recorder
 from orchestrator.master.remembered import Remembered
 from orchestrator.master.timetable import Timetable
@@ -64,6 +65,11 @@ def refuse_unsaved(timetable: Timetable, executor: str | None) -> None:
         raise SimulationError(
             "checkpoints: executor fused keeps states where no FMU can save them; "
             "leave --executor out"
+        )
+    if why := only_python(timetable.wiring):
+        raise SimulationError(
+            f"checkpoints: {why}, and a run with that is not gone on with; run without "
+            f"--checkpoint"
         )
     cannot = [
         f"{part.name} ({part.fmu.path.name}) {_why(part.fmu.co_simulation)}"

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.faults import Faults
+from orchestrator.master.iterate import Iteration
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, Views, carry, views
 from orchestrator.master.remembered import Remembered, Words
@@ -66,6 +67,10 @@ class Executor:
         self._faults = Faults(timetable.wiring, timetable.schedule, vector)
         self._start = {
             i.place: float(vector[i.place]) for i in timetable.wiring.injected
+        }
+        self._groups = {
+            group.name: Iteration(group, self._parts, instances, vector)
+            for group in timetable.wiring.groups
         }
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
@@ -137,13 +142,15 @@ class Executor:
             return partial(self._faults.apply, op.target)
         if op.code == "inject":
             return self._inject(self._timetable.wiring.injected[int(op.target)])
+        if op.code == "iterate":
+            run, back, h = self._groups[op.target].run, op.back, op.h
+            return lambda k: run(seconds(k - back), h)
         part, instance = self._parts[op.target], self._instances[op.target]
         if op.code in ("advance", "tick"):
             step, back, h = instance.step, op.back, op.h
             return lambda k: step(seconds(k - back), h)
         if op.code == "write":
-            push = instance.push
-            return lambda _k: push()
+            return self._write(part, instance.push)
         if op.code == "read":
             return self._read(part, instance)
         copy = _copy(part.copies, self._views, seconds)
@@ -158,6 +165,18 @@ class Executor:
             copy(k)
 
         return release
+
+    def _write(self, part: Part, push: Callable[[], None]) -> Action:
+        group = self._timetable.wiring.group_of(part.name)
+        if group is None:
+            return lambda _k: push()
+        wrote = self._groups[group.name].wrote
+
+        def write(_k: int) -> None:
+            push()
+            wrote(part)
+
+        return write
 
     def _inject(self, injected: Injected) -> Action:
         first, every = self._timetable.publications(injected)

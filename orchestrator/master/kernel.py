@@ -21,6 +21,7 @@ from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
 from orchestrator.master.faulty import faulty_places, memories
+from orchestrator.master.groups import refuse_unless_python
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, carry, views
 from orchestrator.master.recorder import CHUNK, Table
@@ -73,6 +74,7 @@ class Kernel:
         *,
         profiled: bool = False,
     ) -> None:
+        refuse_unless_python(timetable.wiring, f"executor {self.name}")
         self._library = c.library()
         self.count = 0
         self.until: int | None = None

@@ -114,6 +114,19 @@ class Injected:
 
 
 @dataclass(frozen=True)
+class Group:
+    """Parts that are stepped together until what ``inner`` copies agrees at both ends.
+
+    ``members`` in the order of the system; ``tolerance`` is of a number, or of 1.
+    """
+
+    name: str
+    members: tuple[str, ...]
+    inner: tuple[Copy, ...]
+    tolerance: float
+
+
+@dataclass(frozen=True)
 class Column:
     """A recorded number: its name and unit, where it stands, when it is published.
 
@@ -144,6 +157,11 @@ class Wiring:
     warnings: tuple[str, ...]
     faulty: tuple[Faulty, ...] = ()
     injected: tuple[Injected, ...] = ()
+    groups: tuple[Group, ...] = ()
+
+    def group_of(self, name: str) -> Group | None:
+        """Return the group that a component is iterated in."""
+        return next((g for g in self.groups if name in g.members), None)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:

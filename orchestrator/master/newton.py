@@ -1,4 +1,4 @@
-"""Newton's method for initial circles, in plain operations of doubles.
+"""Newton's method for circles, in plain operations of doubles.
 
 What comes back are the bits of ``native/fused/circle.h``, which does the same in
 lanes and inside exported FMUs: the same operations in the same order, no library.
@@ -19,7 +19,9 @@ class Refused(Exception):
 
 
 def newton(
-    around: Callable[[Sequence[float]], Sequence[float]], start: Sequence[float]
+    around: Callable[[Sequence[float]], Sequence[float]],
+    start: Sequence[float],
+    tolerance: float = TOLERANCE,
 ) -> Numbers | None:
     """Return z with around(z) = z up to the tolerance; None if it is not found.
 
@@ -32,21 +34,23 @@ def newton(
     z = list(start)
     after = around(z)
     for _ in range(ROUNDS):
-        if settled(z, after):
+        if settled(z, after, tolerance):
             return z
         off = [g - one for g, one in zip(after, z, strict=True)]
         step = _solved(_rows(around, z, off))
-        found = step and _nearer(around, z, off, step)
+        found = step and _nearer(around, z, off, step, tolerance)
         if not found:
             return None
         z, after = found
     return None
 
 
-def settled(before: Sequence[float], after: Sequence[float]) -> bool:
+def settled(
+    before: Sequence[float], after: Sequence[float], tolerance: float = TOLERANCE
+) -> bool:
     """Tell whether numbers are the same up to the tolerance."""
     return all(
-        abs(g - z) <= TOLERANCE * max(1.0, abs(z))
+        abs(g - z) <= tolerance * max(1.0, abs(z))
         for z, g in zip(before, after, strict=True)
     )
 
@@ -94,6 +98,7 @@ def _nearer(
     z: Numbers,
     off: Numbers,
     step: Numbers,
+    tolerance: float,
 ) -> tuple[Numbers, Sequence[float]] | None:
     """Return where a step, halved if need be, leads nearer, and what is around it."""
     most, share = max(map(abs, off)), 1.0
@@ -105,6 +110,6 @@ def _nearer(
         except Refused:  # far from a solution anything may be
             continue
         far = max(abs(g - one) for g, one in zip(after, trial, strict=True))
-        if far < most or settled(trial, after):
+        if far < most or settled(trial, after, tolerance):
             return trial, after
     return None

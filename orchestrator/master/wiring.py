@@ -13,6 +13,7 @@ from orchestrator.fmu.clocks import left_alone, unticked
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, connection, ports
 from orchestrator.fmu.typed import held
+from orchestrator.master.groups import groups_of
 from orchestrator.master.layout import (
     Column,
     Edge,
@@ -66,6 +67,8 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         for period in system.record[name]:
             columns = tables.setdefault(period, [])
             columns.extend(layout.column(port) for port in found)
+    faulty = tuple(_faulty(system, fmus, layout))
+    additions = tuple(_injected(system, layout, injected))
     return Wiring(
         system,
         parts,
@@ -74,8 +77,9 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         layout.size,
         tuple(notes),
         tuple(dict.fromkeys(warnings)),
-        tuple(_faulty(system, fmus, layout)),
-        tuple(_injected(system, layout, injected)),
+        faulty,
+        additions,
+        tuple(groups_of(system, parts, faulty, additions)),
     )
 
 

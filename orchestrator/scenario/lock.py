@@ -51,6 +51,7 @@ def locked(composition: Composition) -> dict[str, Any]:
             name: [_plain(fault.model_dump(exclude_none=True)) for fault in faults]
             for name, faults in spec.faults.items()
         },
+        **_groups(composition),
         "record": {name: _plain(rows) for name, rows in system.record.items()},
         "metrics": _plain(metrics),
         "responses": {
@@ -75,6 +76,13 @@ def locked(composition: Composition) -> dict[str, Any]:
             },
         },
     }
+
+
+def _groups(composition: Composition) -> dict[str, Any]:
+    """Return the table of groups, nothing where there are none."""
+    groups = composition.scenario.spec.groups
+    said = {k: _plain(group.model_dump()) for k, group in groups.items()}
+    return {"groups": said} if said else {}
 
 
 def versions() -> dict[str, str]:

@@ -75,7 +75,7 @@ class Tables:
             if any(not fmu.variables[name].is_text for name in fmu.outputs)
         }
         made["record"] = self.rest.get("record", outputs)
-        for key in ("faults", "metrics", "expect"):
+        for key in ("faults", "groups", "metrics", "expect"):
             if self.rest.get(key):
                 made[key] = self.rest[key]
         return made

@@ -132,6 +132,8 @@ class _Package:
 
         tables = locked(self.composition)
         rest: dict[str, Any] = {key: tables[key] for key in _OF_REST}
+        if "groups" in tables:
+            rest["groups"] = tables["groups"]
         rest["components"] = {}
         for name, table in tables["components"].items():
             kept = {k: v for k, v in table.items() if k not in _IN_SSD}

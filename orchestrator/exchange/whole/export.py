@@ -42,6 +42,7 @@ from orchestrator.exchange.whole.model import model_table
 from orchestrator.exchange.whole.tables import Halves, Tables, base_values
 from orchestrator.master.fused.executor import fusible
 from orchestrator.master.fused.library import FAULTS, HEADERS
+from orchestrator.master.groups import only_python
 from orchestrator.master.layout import kind_of
 from orchestrator.master.schedule import Stretch, rational_gcd
 from orchestrator.master.simulate import plan
@@ -80,6 +81,11 @@ def export_whole(
     """
     system = _endless(composition, inputs, outputs)
     timetable = plan(system)
+    if why := only_python(timetable.wiring):
+        raise ScenarioError(
+            f"{why}, which no exported FMU does; only `run` does, by the executor "
+            f"python"
+        )
     timetable = Timetable(replace(timetable.wiring, injected=()))
     whole = _Whole(composition, timetable, inputs)
     contents = whole.contents(fmi, tuple(platforms) or (host_platform(),))
