@@ -52,13 +52,7 @@ class Kept:
     """
 
     def __init__(self, instance: Instance) -> None:
-        self._instance, self._state = instance, None
-        if isinstance(instance, IsolatedInstance):
-            instance.do_step = None  # through the pipe, where a step may be taken back
-            instance.ask("keep")
-        else:
-            assert isinstance(instance, LocalInstance)
-            self._state: Any = keep_here(instance)
+        self._instance, self._state = instance, _kept(instance)
 
     def back(self) -> None:
         """Bring the instance back to it."""
@@ -75,3 +69,11 @@ class Kept:
         else:
             assert isinstance(self._instance, LocalInstance)
             drop_here(self._instance, self._state)
+
+
+def _kept(instance: Instance) -> Any:
+    if isinstance(instance, IsolatedInstance):
+        instance.do_step = None  # through the pipe, where a step may be taken back
+        return instance.ask("keep")
+    assert isinstance(instance, LocalInstance)
+    return keep_here(instance)

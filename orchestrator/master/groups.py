@@ -42,7 +42,8 @@ def groups_of(
         _refuse_apart(where, members)
         inner = tuple(_inner(where, members))
         places = {copy.sink for copy in inner}
-        if any(one.place in places for one in (*faulty, *injected)):
+        acting = {*(f.place for f in faulty), *(i.place for i in injected)}
+        if acting & places:
             raise WiringError(
                 f"{where}: a fault or an injection acts on a connection between its "
                 f"members, which have to agree; leave the group or that out"

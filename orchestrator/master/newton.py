@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 
 TOLERANCE = 1e-12
 SHIFT = 2.0**-26  # of a number, or of 1: for differences
+NOISE = 2.0**-20  # of numbers that cancel in a difference of differences
 ROUNDS, HALVINGS = 50, 20
 INFINITE = float("inf")
 
@@ -70,20 +71,32 @@ def _rows(
 
 
 def _solved(rows: list[Numbers]) -> Numbers | None:
-    """Return the solution of linear equations, by elimination; None if singular."""
+    """Return the solution of linear equations, by elimination; None if singular.
+
+    What is left of larger numbers that cancel is noise of the differences, and no
+    pivot: a loop without a solution would be "solved" far away from everything.
+    """
     n = len(rows)
+    sizes = [
+        [max(abs(one), float(i == j)) for j, one in enumerate(row[:n])]
+        for i, row in enumerate(rows)
+    ]
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
             if abs(rows[i][k]) > abs(rows[pivot][k]):
                 pivot = i
         rows[k], rows[pivot] = rows[pivot], rows[k]
-        if not 0 < abs(rows[k][k]) < INFINITE:
+        sizes[k], sizes[pivot] = sizes[pivot], sizes[k]
+        if not NOISE * sizes[k][k] < abs(rows[k][k]) < INFINITE:
             return None
         for i in range(k + 1, n):
             share = rows[i][k] / rows[k][k]
             for j in range(k, n + 1):
-                rows[i][j] = rows[i][j] - share * rows[k][j]
+                taken = share * rows[k][j]
+                rows[i][j] = rows[i][j] - taken
+                if j < n and abs(taken) > sizes[i][j]:
+                    sizes[i][j] = abs(taken)
     found = [0.0] * n
     for i in reversed(range(n)):
         rest = rows[i][n]

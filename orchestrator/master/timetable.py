@@ -52,8 +52,8 @@ class Op(NamedTuple):
 
     ``fault`` follows what its target published; without one all are renewed.
 
-    ``back`` and ``h`` of an ``advance`` or ``iterate``: it starts ``back`` ticks before this
-    instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
+    ``back`` and ``h`` of an ``advance`` or ``iterate``: it starts ``back`` ticks before
+    this instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
     """
 
     code: Code

@@ -9,6 +9,7 @@ SOURCE = Path(__file__).with_name("coupled.c")
 
 def coupled(fmi: int, folder: Path, *, states: bool = True) -> Path:
     """Build the FMU into a folder; without ``states`` it says it has none."""
+    folder.mkdir(parents=True, exist_ok=True)
     library = compile_source(fmi, SOURCE, folder, (), {})
     return packed(fmi, folder, library, _description(fmi, states))
 

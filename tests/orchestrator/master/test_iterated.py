@@ -3,22 +3,38 @@
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
 from coupled import coupled
 from systems import part, system
 
-from orchestrator.errors import FeedDriveError, SimulationError, WiringError
+from orchestrator.errors import (
+    FeedDriveError,
+    ScenarioError,
+    SimulationError,
+    WiringError,
+)
 from orchestrator.master.ages import describe_schedule
 from orchestrator.master.simulate import simulate
+from orchestrator.scenario.compose import compose
+from orchestrator.scenario.lock import locked
+from orchestrator.scenario.reading import load_scenario
 from orchestrator.system import Component, Fault, Isolation, Iterated, Kind, System
 
 STEP, N = Fraction(1, 1000), 10
 GAINS = {"a": (0.5, 1.0), "b": (-0.25, 2.0)}  # a loop that substitution solves
 STEEP = {"a": (3.0, 1.0), "b": (-2.0, 2.0)}  # one that needs Newton
-NONE = {"a": (1.0, 1.0), "b": (1.0, 2.0)}  # one without a solution
+
+Files: TypeAlias = dict[int, Path]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    """The FMUs, by the version of FMI."""
+    folder = tmp_path_factory.mktemp("coupled")
+    return {fmi: coupled(fmi, folder / str(fmi)) for fmi in (2, 3)}
 
 
 def loop(
@@ -62,9 +78,13 @@ def by_hand(gains: dict[str, tuple[float, float]], kind: str) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["continuous", "sampled"])
 @pytest.mark.parametrize("gains", [GAINS, STEEP])
 def test_a_loop_has_at_every_instant_the_values_that_solve_it(
-    fmi: int, kind: Kind, gains: dict[str, tuple[float, float]], tmp_path: Path
+    fmi: int,
+    kind: Kind,
+    gains: dict[str, tuple[float, float]],
+    files: Files,
+    tmp_path: Path,
 ) -> None:
-    found = simulate(loop(coupled(fmi, tmp_path), gains, kind), tmp_path / "run")
+    found = simulate(loop(files[fmi], gains, kind), tmp_path / "run")
     assert found.timing.executor == "python"
     expected = by_hand(gains, kind)
     for name, row in zip("ab", expected, strict=True):
@@ -74,8 +94,10 @@ def test_a_loop_has_at_every_instant_the_values_that_solve_it(
         np.testing.assert_array_equal(found[f"{name}.n"].values, counted)
 
 
-def test_a_group_in_processes_of_their_own_gives_the_same_bits(tmp_path: Path) -> None:
-    file = coupled(3, tmp_path)
+def test_a_group_in_processes_of_their_own_gives_the_same_bits(
+    files: Files, tmp_path: Path
+) -> None:
+    file = files[3]
     here = simulate(loop(file, STEEP), tmp_path / "here")
     there = simulate(loop(file, STEEP, process=True), tmp_path / "there")
     for name, signal in here.items():
@@ -107,25 +129,25 @@ def integrators(g: float) -> System:
     return system("1", parts, {"a.u": "b.z", "b.u": "a.z"}, rows)
 
 
-def test_without_the_group_a_sampled_loop_is_refused(tmp_path: Path) -> None:
-    given = replace(loop(coupled(2, tmp_path), kind="sampled"), groups={})
+def test_without_the_group_a_sampled_loop_is_refused(
+    files: Files, tmp_path: Path
+) -> None:
+    given = replace(loop(files[2], kind="sampled"), groups={})
     with pytest.raises(WiringError, match=r"in a circle.*latency = 1, or put them"):
         simulate(given, tmp_path / "run")
 
 
-def test_a_loop_without_a_solution_is_refused(tmp_path: Path) -> None:
-    gains = {"a": (1.0, 0.0), "b": (1.0, 0.0)}  # solved by 0 at first, then by nothing
-    given = loop(coupled(2, tmp_path), gains, "sampled")
-    parts = {n: replace(c, start={"u": 1.0}) for n, c in given.components.items()}
+def test_a_loop_without_a_solution_is_refused(files: Files, tmp_path: Path) -> None:
+    one = 1 - float(STEP), 1.0  # y = a u + b at first, and (a + h) u + b in a step
     with pytest.raises(SimulationError) as refused:
-        simulate(replace(given, components=parts), tmp_path / "run")
+        simulate(loop(files[2], {"a": one, "b": one}, "sampled"), tmp_path / "run")
     told = str(refused.value)
     assert "groups.both at t = 0 s: the loop of a.y -> b.u, b.y -> a.u has no" in told
     assert "give one of its sampled members latency = 1" in told
 
 
-def test_the_schedule_says_what_is_iterated(tmp_path: Path) -> None:
-    plan = describe_schedule(loop(coupled(2, tmp_path)))
+def test_the_schedule_says_what_is_iterated(files: Files, tmp_path: Path) -> None:
+    plan = describe_schedule(loop(files[2]))
     assert {age.remark for age in plan.ages} == {
         "iterated until both ends agree (groups.both)"
     }
@@ -141,10 +163,10 @@ def test_the_schedule_says_what_is_iterated(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_iterated_is_refused(
-    changed: dict[str, Any], told: str, tmp_path: Path
+    changed: dict[str, Any], told: str, files: Files, tmp_path: Path
 ) -> None:
     kind = changed.get("kind", "continuous")
-    given = loop(coupled(2, tmp_path), kind=kind)
+    given = loop(files[2], kind=kind)
     parts = {**given.components, "b": replace(given.components["b"], **changed)}
     with pytest.raises(FeedDriveError, match=told):
         simulate(replace(given, components=parts), tmp_path / "run")
@@ -159,18 +181,56 @@ def test_what_cannot_be_iterated_is_refused(
     ],
 )
 def test_a_group_names_components_that_form_a_loop(
-    groups: dict[str, Iterated], told: str, tmp_path: Path
+    groups: dict[str, Iterated], told: str, files: Files, tmp_path: Path
 ) -> None:
-    given = replace(loop(coupled(2, tmp_path)), groups=groups)
+    given = replace(loop(files[2]), groups=groups)
     with pytest.raises(WiringError, match=told):
         simulate(given, tmp_path / "run")
 
 
-def test_members_need_states_and_no_faults_between_them(tmp_path: Path) -> None:
+def test_members_need_states_and_no_faults_between_them(
+    files: Files, tmp_path: Path
+) -> None:
     without = loop(coupled(2, tmp_path / "without", states=False))
     with pytest.raises(WiringError, match=r"canGetAndSetFMUState is false"):
         simulate(without, tmp_path / "run")
-    given = loop(coupled(2, tmp_path))
+    given = loop(files[2])
     faults = {"a.u": (Fault("bias", 1.0),)}
     with pytest.raises(WiringError, match="a fault or an injection acts"):
         simulate(replace(given, faults=faults), tmp_path / "run")
+
+
+def test_a_scenario_says_its_groups_and_its_lock_repeats_them(
+    files: Files, tmp_path: Path
+) -> None:
+    said = f"""
+stop = "2/1000"
+[components.a]
+fmu = "{files[2]}"
+step = "1/1000"
+kind = "sampled"
+parameters = {{ a = 0.5, b = 1.0 }}
+[components.b]
+fmu = "{files[2]}"
+step = "1/1000"
+kind = "sampled"
+[connections]
+"a.u" = "b.y"
+"b.u" = "a.y"
+[groups.both]
+components = ["a", "b"]
+iterate = true
+tolerance = 1e-6
+[record]
+"a.y" = "1/1000"
+"""
+    (tmp_path / "s.toml").write_text(said)
+    composition = compose(load_scenario(tmp_path / "s.toml"), None)
+    assert composition.system.groups == {"both": Iterated(("a", "b"), 1e-6)}
+    assert locked(composition)["groups"] == {
+        "both": {"components": ["a", "b"], "iterate": True, "tolerance": 1e-6}
+    }
+    off = load_scenario(tmp_path / "s.toml", ["groups.both.iterate=false"])
+    assert not compose(off, None).system.groups
+    with pytest.raises(ScenarioError, match="did you mean 'both'"):
+        load_scenario(tmp_path / "s.toml", ["groups.bath.iterate=false"])
