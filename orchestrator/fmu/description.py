@@ -85,7 +85,7 @@ class FmuVariable:
 
     @property
     def is_text(self) -> bool:
-        """Whether its values are no numbers: they are set, but never travel."""
+        """Whether its values are no numbers: they are set and travel, no more."""
         return self.sort in ("string", "binary")
 
     @property

@@ -259,12 +259,12 @@ def _check_types(source: Port, sink: Port, ends: str) -> None:
         raise WiringError(f"{ends}: the source is an input; name an output instead")
     there, here = source.variable, sink.variable
     refused = f"{ends}: {there.kind} cannot drive {here.kind}"
-    for variable in (there, here):
-        if variable.is_text:
+    if there.is_text or here.is_text:
+        if there.sort != here.sort:
             raise WiringError(
-                f"{refused}: texts do not travel; set {variable.name} under parameters "
-                f"or start"
+                f"{refused}: texts pass to texts and bytes to bytes, as they are"
             )
+        return
     if (there.sort == "boolean") != (here.sort == "boolean"):
         if source.asked or sink.asked:
             return

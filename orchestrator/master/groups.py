@@ -132,4 +132,6 @@ def only_python(wiring: Wiring) -> str:
     """Return what of a system only the Python executor carries out, "" if nothing."""
     if wiring.groups:
         return f"groups.{wiring.groups[0].name} is iterated"
+    if wiring.texts:
+        return f"{wiring.texts[0].ends} carries a text"
     return ""

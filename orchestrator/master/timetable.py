@@ -225,6 +225,10 @@ class Timetable:
         return [of_all] if op.target == group.members[0] else []
 
     @cached_property
+    def _speakers(self) -> frozenset[str]:
+        return frozenset(said.source for said in self.wiring.texts)
+
+    @cached_property
     def _switches(self) -> dict[str, Fraction]:
         """All times at which some fault begins or ends, by the name of their clock."""
         faulty, stop = self.wiring.faulty, self.wiring.system.stop
@@ -250,11 +254,11 @@ class Timetable:
             return True
         part = self.wiring.parts[op.target]
         if op.code == "write":
-            return bool(part.inputs)
+            return bool(part.inputs or part.heard)
         if op.code == "read":
             return bool(part.read)
         if op.code == "copy":
-            return bool(part.copies)
+            return bool(part.copies) or op.target in self._speakers
         return True
 
     def publications(self, injected: Injected) -> tuple[int, int]:

@@ -9,6 +9,7 @@ from coupled import coupled
 from foreign import foreign
 from outcomes import outcomes
 from systems import part, system
+from talking import talking
 
 from orchestrator.system import Component, Fault, Isolation, Iterated, System
 
@@ -69,3 +70,12 @@ def iterated(folder: Path) -> System:
     wires = {"one.u": "two.y", "two.u": "one.y"}
     given = system("1/100", parts, wires, {"one.y": str(step), "two.n": str(step)})
     return replace(given, groups={"both": Iterated(("one", "two"))})
+
+
+def talked(folder: Path) -> System:
+    """A text and bytes from one FMU to the other, numbers beside them."""
+    step, here = Fraction(1, 1000), Isolation(process=False)
+    file = talking(3, folder)
+    parts = [Component(name, file, step, isolation=here) for name in ("one", "two")]
+    wires = {"two.heard": "one.text", "two.data": "one.bytes"}
+    return system("1/100", parts, wires, {"one.k": str(step), "two.k": str(step)})

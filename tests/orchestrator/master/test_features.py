@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from clocked import clocked as clocked_by_others
 from foreign import foreign
-from of_others import ending, falling, faulty_words, iterated, words
+from of_others import ending, falling, faulty_words, iterated, talked, words
 from systems import part, system
 from typer.testing import CliRunner
 
@@ -226,6 +226,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "FMI 3 clock of an FMU of others": others_clock,
     "step not split (split = false)": lambda _: unsplit(),
     "group that is iterated": iterated,
+    "texts and bytes": talked,
     "64-bit integers": words,
     "faults of 64-bit integers": faulty_words,
     "FMU of others": alien,
