@@ -3,12 +3,14 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: demo test test-all test-hostile lint fmus bench pictures docs clean
+.PHONY: demo test suite test-all test-hostile lint fmus bench pictures docs clean
 
 demo: $(READY)
 	$(BIN)/feeddrive demo
 
-test: lint
+test: lint suite
+
+suite: $(READY)
 	$(BIN)/pytest -n auto --dist worksteal
 
 test-all: lint

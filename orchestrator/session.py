@@ -13,6 +13,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import count
 from pathlib import Path
+from shutil import copyfile
 from typing import TYPE_CHECKING, Any
 
 from fmus.units import UnitError
@@ -23,7 +24,7 @@ from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate, unit_doubts
 from orchestrator.folders.temporary import temporary_folder
-from orchestrator.history.folder import Begun, RunFolder, taken, taken_again
+from orchestrator.history.folder import ORIGIN, Begun, RunFolder, taken, taken_again
 from orchestrator.outcome import Run
 from orchestrator.quantities.quantity import parse_period, time_text
 from orchestrator.result import Result
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from orchestrator.master.checkpoint import Checkpoints
     from orchestrator.master.simulate import Choice
     from orchestrator.master.timetable import Timetable
+    from orchestrator.master.warm import Origin
 
 Progress = Callable[[Fraction], None]
 Also = Callable[[Run], Mapping[str, Any]]
@@ -80,6 +82,8 @@ def execute(
     profile: bool = False,
     pace: float | None = None,
     checkpoint: Fraction | None = None,
+    kept: bool = False,
+    origin: "Origin | None" = None,
     also: Also = lambda done: {},
     watched: Watched = lambda folder, timetable: None,
 ) -> Run:
@@ -87,32 +91,41 @@ def execute(
 
     ``folder`` and ``overwrite`` as for ``run``, ``executor``, ``profile`` and ``pace``
     as for ``simulate``.  ``checkpoint``: so much simulated time (s) lies between two
-    points from which ``resume`` can go on.  What ``also`` returns belongs to the
-    figures of the run, which is not complete before.  ``watched`` is told its folder
-    before the first step.
+    points from which ``resume`` can go on, and all are ``kept`` if that is asked; the
+    run begins at one that is its ``origin``, else at 0.  What ``also`` returns belongs
+    to the figures of the run, which is not complete before.  ``watched`` is told its
+    folder before the first step.
 
     Raises:
         FeedDriveError: the system does not fit together, or the run failed.
     """
-    from orchestrator.master.checkpoint import Checkpoints, refuse_unsaved
+    from orchestrator.master.checkpoint import Checkpoints, refuse_options
     from orchestrator.master.simulate import plan
+    from orchestrator.master.warm import Warm
 
     refuse_metrics(composition)
     timetable = plan(composition.system)
-    _refuse_apart(composition, timetable)
+    _refuse_apart(composition, timetable, origin)
     refuse_own_folder(folder, composition)
+    saves, paced = bool(checkpoint or origin), pace is not None
+    refuse_options(timetable, executor, profile=profile, saves=saves, paced=paced)
     begun, checkpoints = _begun(composition), None
-    if checkpoint is not None:
-        refuse_unsaved(timetable, executor)
+    if saves:
         _refuse_baseline(composition)
-        begun = replace(begun, checkpoint=time_text(checkpoint))
-        checkpoints = Checkpoints(checkpoint)
+    if checkpoint is not None:
+        begun = replace(begun, checkpoint=time_text(checkpoint), kept=kept)
+        checkpoints = Checkpoints(checkpoint, kept=kept)
+    if origin is not None:
+        Warm(origin, timetable)  # refused before there is a folder
+        begun = replace(begun, origin=origin.run)
     with taken(folder, begun, overwrite=overwrite) as place:
-        write_lock(composition, place.path)
+        write_lock(composition, place.path, str(origin) if origin else None)
+        if origin is not None:
+            copyfile(origin.file, place.path / ORIGIN)
         watched(place.path, timetable)
         options = {"executor": executor, "profile": profile, "pace": pace}
         done = _evaluated(
-            composition, timetable, place, progress, checkpoints, **options
+            composition, timetable, place, progress, checkpoints, origin, **options
         )
         _complete(done, place, report=report, also=also)
     return done
@@ -125,17 +138,23 @@ def resume(folder: Path, progress: Progress | None = None) -> tuple[Run, Begun]:
         FeedDriveError: there is nothing to go on with, or the run failed.
     """
     from orchestrator.master.checkpoint import Checkpoints
+    from orchestrator.master.saved import read
     from orchestrator.master.simulate import plan
+    from orchestrator.master.warm import Origin
 
     with taken_again(folder) as (place, begun):
         if not (folder / LOCK).is_file():
             raise ScenarioError(f"{folder}: ended before it was written down; run anew")
         scenario = load_scenario(folder / LOCK)
         with naming(scenario):
-            composition = compose(scenario, run_earlier)
+            composition = compose(scenario, run_earlier, warm=True)
             timetable = plan(composition.system)
-            checkpoints = Checkpoints(parse_period(begun.checkpoint), resumed=True)
-            done = _evaluated(composition, timetable, place, progress, checkpoints)
+            every, first = parse_period(begun.checkpoint), folder / ORIGIN
+            checkpoints = Checkpoints(every, resumed=True, kept=begun.kept)
+            origin = begun.origin and Origin(begun.origin, first, read(first))
+            done = _evaluated(
+                composition, timetable, place, progress, checkpoints, origin or None
+            )
             _complete(done, place)
     return done, begun
 
@@ -153,16 +172,20 @@ def _complete(
 def _refuse_baseline(composition: Composition) -> None:
     if composition.scenario.spec.expect_like is not None:
         raise ScenarioError(
-            "checkpoints: a run that is resumed is not compared with a baseline "
-            "(expect_like), which its lock does not hold; run without --checkpoint"
+            "checkpoints: a run that is resumed, or begins at one, is not compared "
+            "with a baseline (expect_like), which its lock does not hold; run without "
+            "--checkpoint and --from"
         )
 
 
-def _refuse_apart(composition: Composition, timetable: "Timetable") -> None:
+def _refuse_apart(
+    composition: Composition, timetable: "Timetable", origin: "Origin | None"
+) -> None:
     tables, stop = timetable.wiring.tables, composition.system.stop
+    begin = origin.time if origin else Fraction(0)
     for name, metric in composition.scenario.spec.metrics.items():
         try:
-            refuse_apart(metric, tables, stop)
+            refuse_apart(metric, tables, stop, begin)
         except ScenarioError as error:
             raise ScenarioError(f"metrics.{name}: {error}") from None
 
@@ -179,6 +202,7 @@ def _evaluated(
     place: RunFolder,
     progress: Progress | None,
     checkpoints: "Checkpoints | None",
+    origin: "Origin | None",
     **options: Any,
 ) -> Run:
     from orchestrator.master.simulate import simulate
@@ -192,13 +216,15 @@ def _evaluated(
                 timetable=timetable,
                 progress=progress,
                 checkpoints=checkpoints,
+                origin=origin,
                 **options,
             )
     except SimulationError as error:
         if told := _diverged_before(composition, place.path):
             raise type(error)(f"{error}; {told}") from error.__cause__
         raise
-    figures = evaluate(spec.metrics, result, parameter, result.ended)
+    begin = origin.time if origin else Fraction(0)
+    figures = evaluate(spec.metrics, result, parameter, result.ended, begin)
     diverged = divergence(spec.metrics, result, parameter)
     return Run(
         result,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from orchestrator.cli.completion import scenario_names
+from orchestrator.cli.origin import origin_of
 from orchestrator.cli.output import (
     echo,
     executing,
@@ -143,6 +144,17 @@ def run(
         str | None,
         typer.Option(metavar="S", help="simulated time between points to resume from"),
     ] = None,
+    keep_checkpoints: Annotated[
+        bool, typer.Option("--keep-checkpoints", help="keep all of them, for --from")
+    ] = False,
+    from_: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="RUN@S",
+            help="begin with the state that a run kept of a simulated time",
+        ),
+    ] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -160,6 +172,9 @@ def run(
             "--checkpoint: a run with --swap is two runs, which cannot be resumed; "
             "name the other FMU in the scenario"
         )
+    if keep_checkpoints and apart is None:
+        raise ScenarioError("--keep-checkpoints: give --checkpoint S besides")
+    origin = None if from_ is None else origin_of(from_)
     if map_out is not None:
         text = propose_map(scenario, sets, swap, fmi, map_out)
         if json:
@@ -193,6 +208,7 @@ def run(
         }
 
     taking = {"overwrite": overwrite, "also": also, "checkpoint": apart}
+    taking |= {"kept": keep_checkpoints, "origin": origin}
     done = simulate(loaded, output, pace=pace, **taking, **options)
     if json:
         print_json({**done.summary(), **told(done)})
@@ -200,7 +216,7 @@ def run(
         print_run(done)
         if beside:
             print_swap(beside["first"], done, beside["answers"])
-    conclude(done, changed=bool(sets or swap))
+    conclude(done, changed=bool(sets or swap or origin))
 
 
 def conclude(done: "Run", *, changed: bool) -> None:

@@ -52,6 +52,7 @@ def simulate(scenario: "Scenario", folder: Path | None = None, **options: Any) -
 
     with naming(scenario):
         with waiting(f"building the FMUs of {scenario.name}"):
-            composition = compose(scenario, run_earlier)
+            warm = options.get("origin") is not None
+            composition = compose(scenario, run_earlier, warm=warm)
         with progress_bar(scenario.name, composition.system.stop) as progress:
             return execute(composition, folder, progress=progress, **options)

@@ -65,8 +65,11 @@ def taken(spec: MetricSpec, signals: Mapping[str, Signal]) -> dict[str, Signal]:
     }
 
 
-def refuse_apart(spec: MetricSpec, tables: Tables, stop: Fraction) -> None:
-    """Refuse a metric whose signals a run up to ``stop`` (s) leaves without rows.
+def refuse_apart(
+    spec: MetricSpec, tables: Tables, stop: Fraction, begin: Fraction = Fraction(0)
+) -> None:
+    """Refuse a metric whose signals a run from ``begin`` (s) up to ``stop`` (s) leaves
+    without rows.
 
     Raises:
         ScenarioError: a signal is not recorded at ``at``, two have no instant in
@@ -89,7 +92,7 @@ def refuse_apart(spec: MetricSpec, tables: Tables, stop: Fraction) -> None:
     common: Instants | None = grids[0]
     for grid in grids[1:]:
         common = common and common.common(grid)
-    if common is None or not common.within(Fraction(0), stop):
+    if common is None or not common.within(begin, stop):
         said = ", ".join(
             f"{name} is published every {_every(columns[row])} and recorded every "
             f"{float(row):g} s"

@@ -7,6 +7,7 @@ large for a number; only what is written wrongly is refused.
 """
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from math import isfinite, isnan
 from typing import TypeAlias
 
@@ -62,11 +63,13 @@ def evaluate(
     signals: Mapping[str, Signal],
     parameter: Parameters,
     ended: End | None = None,
+    begun: Fraction = Fraction(0),
 ) -> dict[str, Quantity]:
     """Return all figures ``<metric>.<figure>`` of a run.
 
     ``parameter`` returns the value and unit of a ``component.parameter``.  Of a run
-    that ``ended`` early, metrics have no value whose window was not reached.
+    that ``ended`` early, metrics have no value whose window was not reached, and of
+    one that was ``begun`` at a later time than 0 (s) none whose window begins before.
 
     Raises:
         ScenarioError: a signal is not recorded, grids or units do not fit, a
@@ -76,7 +79,7 @@ def evaluate(
     for name, spec in specs.items():
         try:
             with np.errstate(all="ignore"):  # what overflows has no value
-                found = _until(ended, spec, signals, parameter)
+                found = _while(begun, ended, spec, signals, parameter)
             for key, figure in found.items():
                 figures[f"{name}.{key}"] = _in_range(figure)
         except (ScenarioError, UnitError) as error:
@@ -84,7 +87,8 @@ def evaluate(
     return figures
 
 
-def _until(
+def _while(
+    begun: Fraction,
     ended: End | None,
     spec: MetricSpec,
     signals: Mapping[str, Signal],
@@ -94,10 +98,16 @@ def _until(
         why = f"{name} has more digits than a figure holds (beyond 2^53)"
         found = _figures(spec, signals, parameter)
         return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
-    if ended is None or spec.window is None or spec.window[1] <= ended.at:
+    if spec.window is None:
+        return _figures(spec, signals, parameter)
+    start, end = spec.window
+    if start < begun:
+        why = f"its window begins at {float(start):g} s, the run at {float(begun):g} s"
+    elif ended is not None and end > ended.at:
+        why = f"its window until {float(end):g} s was not reached: {ended}"
+    else:
         return _figures(spec, signals, parameter)
     whole = spec.model_copy(update={"window": None})  # for the figures' names
-    why = f"its window until {float(spec.window[1]):g} s was not reached: {ended}"
     found = _figures(whole, signals, parameter)
     return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
 

@@ -10,6 +10,8 @@ the user names::
     report.html
     ended.json                why a run failed or who interrupted it
     checkpoint                from where it can be gone on with, until it has its tables
+    checkpoints/              those that are kept, for runs that begin there
+    origin                    the checkpoint of another run at which it began
     metrics.json              written last, by rename: the run is complete
 
 It is held (``orchestrator.folders.held``) while the run is under way.  A run that was
@@ -37,19 +39,21 @@ FORMAT_FILE = "format"
 BEGUN = "begun.json"
 ENDED = "ended.json"
 METRICS = "metrics.json"
+ORIGIN = "origin"
 Kind: TypeAlias = Literal["run", "demo", "reproduce", "sweep", "response", "tune"]
 _FILES = (
     *(FORMAT_FILE, BEGUN, ENDED, METRICS),
-    *("report.html", "scenario.lock.toml", "checkpoint"),
+    *("report.html", "scenario.lock.toml", "checkpoint", ORIGIN),
 )
-_FOLDERS = ("result", "fmus", "original")
+_FOLDERS = ("result", "fmus", "original", "checkpoints")
 
 
 @dataclass(frozen=True)
 class Begun:
     """What is run: ``name`` as ``run`` takes it, ``stop`` (s) if it has one.
 
-    ``checkpoint`` is how much simulated time (s) lies between two of them, exactly.
+    ``checkpoint`` is how much simulated time (s) lies between two of them, exactly,
+    ``kept`` whether all stay; ``origin`` names the run at whose checkpoint it began.
     """
 
     kind: Kind
@@ -57,6 +61,8 @@ class Begun:
     changed: tuple[str, ...] = ()
     stop: float | None = None
     checkpoint: str | None = None
+    kept: bool = False
+    origin: str | None = None
 
 
 @dataclass(frozen=True)

@@ -1,66 +1,80 @@
 """The state of a run at an instant, on the disk: from there it goes on, bit for bit.
 
-``checkpoint`` in the folder of a run is the SHA-256 of what follows and a NumPy
-archive: what the vector, the executor and all FMUs hold behind an instant, and how
-many bytes of each stream of rows were written then.  Rows are on the disk before it,
-and it appears by a rename; of a run that is killed the latest one holds, and goes
-when the run has its tables.
+Rows are on the disk before a checkpoint (``saved``) is; of a run that is killed the
+latest one holds, and goes when the run has its tables.  Those that are kept stay, for
+runs that begin there (``warm``).
 """
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from hashlib import sha256
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.cache import digest, on_disk
+from fmus.cache import on_disk
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.instances.saving import restore, save
+from orchestrator.master.apart import let_in
 from orchestrator.master.groups import only_python
 from orchestrator.master.recorder import Recorder
-from orchestrator.master.remembered import Remembered
+from orchestrator.master.saved import (
+    FORMAT,
+    KEPT,
+    NAME,
+    Saved,
+    described,
+    kept_name,
+    read,
+    write,
+)
 from orchestrator.master.timetable import Timetable
-
-NAME = "checkpoint"
-FORMAT = 1
 
 
 @dataclass(frozen=True)
 class Checkpoints:
     """``every`` so many seconds of simulated time; ``resumed``: go on from the latest
-    one, from the beginning if there is none.
+    one, from the beginning if there is none; ``kept``: every one stays.
     """
 
     every: Fraction
     resumed: bool = False
+    kept: bool = False
 
 
-@dataclass(frozen=True)
-class Saved:
-    """What stands in a checkpoint: ``count`` instants were done, in ``wall_s`` s."""
+def refuse_options(
+    timetable: Timetable,
+    executor: str | None,
+    *,
+    profile: bool = False,
+    saves: bool = False,
+    paced: bool = False,
+) -> None:
+    """Refuse what cannot be asked for together, or of this system, before it runs.
 
-    count: int
-    instant: int
-    wall_s: float
-    rows: Mapping[str, int]
-    vector: NDArray[np.float64]
-    remembered: Remembered
-    states: Mapping[str, bytes]
-
-
-def refuse_unsaved(timetable: Timetable, executor: str | None) -> None:
-    """Refuse checkpoints of a system of which some state cannot be saved.
+    ``saves``: with checkpoints, or from one; ``paced``: held to the clock.
 
     Raises:
-        SimulationError: it names all such FMUs.
+        SimulationError: the message says what to leave out.
     """
+    if saves:
+        _refuse_unsaved(timetable, executor)
+    if saves and paced:
+        raise SimulationError("checkpoints: a run has either a pace or checkpoints")
+    asked = {"profile": profile, "checkpoints": saves, "pace": paced}
+    for what in (what for what, given in asked.items() if given):
+        for name in let_in(timetable):
+            raise SimulationError(
+                f"{name}: a run that lets this FMU into its process has no {what}; "
+                f'leave out isolation = "none"'
+            )
+
+
+def _refuse_unsaved(timetable: Timetable, executor: str | None) -> None:
     if executor == "fused":
         raise SimulationError(
             "checkpoints: executor fused keeps states where no FMU can save them; "
@@ -100,9 +114,13 @@ class Keeper:
         vector: NDArray[np.float64],
     ) -> None:
         self.file = folder / NAME
-        self._every = checkpoints.every / timetable.schedule.tick
+        self._schedule = timetable.schedule
+        self._every = checkpoints.every / self._schedule.tick
+        self._kept = folder / KEPT if checkpoints.kept else None
         self._instances, self._vector = instances, vector
-        self._about = {"format": FORMAT, "system": _fingerprint(timetable)}
+        about = described(timetable.wiring)
+        about |= {"format": FORMAT, "tick": str(self._schedule.tick)}
+        self._about = about | {"system": _fingerprint(timetable, about)}
         self.saved: Saved | None = None
         if checkpoints.resumed and self.file.exists():
             self.saved = self._read()
@@ -110,15 +128,16 @@ class Keeper:
             for name, state in self.saved.states.items():
                 restore(instances[name], state)
 
-    def begin(self, engine: Any, rows: Recorder) -> float:
+    def begin(self, engine: Any, rows: Recorder, instant: int = 0) -> float:
         """Let an engine go on from the latest checkpoint, or write one before the first
-        instant; return what the run took until then (s).
+        instant, behind ``instant`` in a warm start; return what the run took until then
+        (s).
         """
         saved = self.saved
         if saved is None:
             for path in self.file.parent.rglob("*"):  # lock, FMUs and all
                 on_disk(path)
-            self.write(0, engine, 0.0, rows)
+            self.write(instant, engine, 0.0, rows)
             return 0.0
         engine.count = saved.count
         engine.remember(saved.remembered)
@@ -136,30 +155,21 @@ class Keeper:
             SimulationError: an FMU refuses, or the disk is full or gone.
         """
         engine.until = self._next(instant)
-        states = {name: save(one) for name, one in self._instances.items()}
-        remembered: Remembered = engine.remembered()
-        about = self._about | {
-            "count": engine.count,
-            "instant": instant,
-            "wall_s": wall_s,
-            "rows": rows.on_disk(),
-        }
-        arrays = {
-            "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
-            "vector": self._vector,
-            "faults": remembered.faults,
-            **{f"line {name}": line for name, line in remembered.lines.items()},
-            **{f"state {n}": np.frombuffer(s, np.uint8) for n, s in states.items()},
-        }
-        content = BytesIO()
-        np.savez(content, **arrays)  # type: ignore[arg-type]
-        data = content.getvalue()
-        partial = self.file.with_suffix(".partial")
+        saved = Saved(
+            engine.count,
+            instant,
+            wall_s,
+            rows.on_disk(),
+            self._vector,
+            engine.remembered(),
+            {name: save(one) for name, one in self._instances.items()},
+            self._about,
+        )
         try:
-            partial.write_bytes(sha256(data).digest() + data)
-            on_disk(partial)
-            partial.replace(self.file)
-            on_disk(self.file.parent)
+            if self._kept and 0 < instant < self._schedule.stop:
+                self._kept.mkdir(exist_ok=True)
+                write(self._kept / kept_name(saved.time), saved)
+            write(self.file, saved)
             on_disk(rows.folder)
         except OSError as error:
             raise SimulationError(
@@ -172,53 +182,18 @@ class Keeper:
         self.file.unlink(missing_ok=True)
 
     def _read(self) -> Saved:
-        try:
-            data = self.file.read_bytes()
-        except OSError as error:
-            raise SimulationError(f"{self.file}: cannot be read ({error})") from None
-        if data[:32] != sha256(data[32:]).digest():
+        saved = read(self.file)
+        if saved.about["system"] != self._about["system"]:
             raise SimulationError(
-                f"{self.file}: is damaged; delete it, and the run begins anew"
+                f"{self.file}: is of another system: FMUs, connections, rates or "
+                f"values are not those of the run; delete it to begin anew"
             )
-        with np.load(BytesIO(data[32:]), allow_pickle=False) as arrays:
-            about = json.loads(arrays["about"].tobytes())
-            if {key: about.get(key) for key in self._about} != self._about:
-                raise SimulationError(
-                    f"{self.file}: is of another system: FMUs, connections, rates or "
-                    f"values are not those of the run; delete it to begin anew"
-                )
-            return Saved(
-                int(about["count"]),
-                int(about["instant"]),
-                float(about["wall_s"]),
-                about["rows"],
-                arrays["vector"],
-                Remembered(dict(_named(arrays, "line")), arrays["faults"]),
-                {name: a.tobytes() for name, a in _named(arrays, "state")},
-            )
+        return saved
 
 
-def _named(arrays: Any, kind: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    for key in arrays.files:
-        if key.startswith(f"{kind} "):
-            yield key.removeprefix(f"{kind} "), arrays[key]
-
-
-def _fingerprint(timetable: Timetable) -> str:
+def _fingerprint(timetable: Timetable, about: Mapping[str, Any]) -> str:
     """Return a digest of what a checkpoint fits: FMU files, layout, rates, values."""
-    wiring, told = timetable.wiring, sha256()
-    for name, part in wiring.parts.items():
-        component = part.component
-        inputs, read = ([v.name for v in of] for of in (part.inputs, part.read))
-        times = component.period, component.offset, component.latency, component.split
-        places = part.first_input, part.raw, part.published, part.delayed
-        told.update(
-            repr(
-                (name, digest(part.fmu.path), inputs, read, times, places, part.copies)
-            ).encode()
-        )
-        told.update(repr([(v.name, values) for v, values in part.start]).encode())
-    schedule = timetable.schedule
+    wiring = timetable.wiring
     rows = {p: [(c.name, c.index) for c in table] for p, table in wiring.tables.items()}
-    told.update(repr((wiring.faulty, schedule, rows)).encode())
-    return told.hexdigest()
+    told = repr((about, wiring.faulty, timetable.schedule, rows))
+    return sha256(told.encode()).hexdigest()

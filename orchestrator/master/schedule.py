@@ -51,6 +51,8 @@ class Stretch(Generic[T]):
 
     def before(self, k: int) -> int:
         """Count the instants of all repetitions that lie before instant k."""
+        if k <= self.first:
+            return 0
         r, rest = divmod(k - self.first, self.length) if self.repeats > 1 else (0, k)
         whole = min(max(r, 0), self.repeats) * len(self.offsets)
         return whole + (bisect_left(self.offsets, rest) if r < self.repeats else 0)

@@ -34,7 +34,7 @@ from orchestrator.instances.load import load
 from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.apart import let_in, simulate_apart
-from orchestrator.master.checkpoint import Checkpoints, Keeper, refuse_unsaved
+from orchestrator.master.checkpoint import Checkpoints, Keeper, refuse_options
 from orchestrator.master.executor import Executor
 from orchestrator.master.groups import only_python
 from orchestrator.master.initialise import initialise
@@ -43,6 +43,7 @@ from orchestrator.master.pace import Pacer
 from orchestrator.master.recorder import Recorder, refuse_no_room
 from orchestrator.master.remembered import Remembered
 from orchestrator.master.timetable import Timetable
+from orchestrator.master.warm import Origin, Warm
 from orchestrator.master.wiring import wire
 from orchestrator.profile import Profile, Spent
 from orchestrator.result import End, Result, Timing
@@ -86,6 +87,7 @@ def simulate(
     recorded: Callable[[Result], None] | None = None,
     checkpoints: Checkpoints | None = None,
     pace: float | None = None,
+    origin: Origin | None = None,
 ) -> Result:
     """Run a system and return what it recorded, kept under ``folder/result``.
 
@@ -94,40 +96,26 @@ def simulate(
     ``executor`` is chosen when None; with ``profile`` the timing of the result
     says where the time went.  ``recorded`` is told the result before FMUs are freed.
     With ``checkpoints`` a run that is killed can be gone on with; ``pace`` holds it
-    to the clock, so many times as fast.
+    to the clock, so many times as fast; it begins where ``origin`` was, else at 0.
 
     Raises:
         FmuError, WiringError, ScheduleError: refused before anything ran.
         SimulationError: the run failed; rows until then are readable.
     """
     timetable = timetable or plan(system)
-    if checkpoints:
-        refuse_unsaved(timetable, executor)
+    saves, paced = bool(checkpoints or origin), pace is not None
+    refuse_options(timetable, executor, profile=profile, saves=saves, paced=paced)
     pacer = None if pace is None else Pacer(pace, timetable)
-    if pacer and checkpoints:
-        raise SimulationError("checkpoints: a run has either a pace or checkpoints")
-    if names := let_in(timetable):
-        if profile:
-            raise SimulationError(
-                f"{names[0]}: a run that lets this FMU into its process has no "
-                f'profile; leave out isolation = "none"'
-            )
-        if checkpoints:
-            raise SimulationError(
-                f"{names[0]}: a run that lets this FMU into its process has no "
-                f'checkpoints; leave out isolation = "none"'
-            )
-        if pacer:
-            raise SimulationError(
-                f"{names[0]}: a run that lets this FMU into its process is not held "
-                f'to the clock; leave out isolation = "none"'
-            )
+    warm = Warm(origin, timetable) if origin else None
+    if let_in(timetable):
         return simulate_apart(simulate, system, folder, timetable, progress, executor)
     wiring = timetable.wiring
     for note in wiring.notes:
         LOG.info(note)
     for guess in wiring.warnings:
         warn(guess)
+    if warm:
+        warn(str(warm))
     folder.mkdir(parents=True, exist_ok=True)
     refuse_no_room(folder, wiring.tables, system.stop)
     vector = np.zeros(wiring.size)
@@ -143,6 +131,8 @@ def simulate(
         if checkpoints:
             keeper = Keeper(folder, checkpoints, timetable, instances, vector)
         rows = keeper.saved.rows if keeper and keeper.saved else None
+        if warm and rows is None:
+            warm.restore(instances, vector)
         recorder = Recorder(folder / "result", wiring.tables, vector, rows)
         complete = False
         try:
@@ -150,8 +140,10 @@ def simulate(
                 engine = _engine(
                     executor, timetable, instances, vector, recorder, profile
                 )
+                if warm and rows is None:
+                    warm.begin(engine, recorder)
                 timing, ended = _execute(
-                    timetable, engine, recorder, progress, keeper, pacer
+                    timetable, engine, recorder, progress, keeper, pacer, warm
                 )
             if profile:
                 where = Profile.of(*engine.spent(), timing.wall_s)
@@ -307,12 +299,14 @@ def _execute(
     progress: Progress | None,
     keeper: Keeper | None,
     pacer: Pacer | None,
+    warm: Warm | None,
 ) -> tuple[Timing, End | None]:
     """Carry out all instants, or those until an FMU ends the run."""
     begun = told = perf_counter()
     stop = timetable.wiring.system.stop
+    begin, before = (warm.instant, warm.before) if warm else (0, 0)
     if keeper:
-        begun -= keeper.begin(engine, recorder)
+        begun -= keeper.begin(engine, recorder, begin)
     if pacer:
         engine.until = pacer.first()
     reached, ended = float(stop), None
@@ -334,5 +328,6 @@ def _execute(
         if progress:
             progress(stop)
     paced, wall = pacer.told() if pacer else None, perf_counter() - begun
-    timing = Timing(wall, engine.count, reached, engine.name, paced=paced)
+    done, simulated = engine.count - before, reached - timetable.schedule.seconds(begin)
+    timing = Timing(wall, done, simulated, engine.name, paced=paced)
     return timing, ended

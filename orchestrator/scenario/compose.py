@@ -117,15 +117,24 @@ class Composition:
         return replace(self, system=system, _values=(actual, self._values[1]))
 
 
-def compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
+def compose(
+    scenario: Scenario, earlier: RunEarlier | None, *, warm: bool = False
+) -> Composition:
     """Return the system a scenario describes.
 
     ``earlier`` runs the scenario a design step takes its signals from; without it no
-    design step is carried out.
+    design step is carried out.  ``warm``: it is known where a run begins whose lock
+    this is, if that was not at 0.
 
     Raises:
         ScenarioError, DesignError, FmuError, WiringError, fmus.build.BuildError.
     """
+    origin = scenario.spec.lock.get("origin")
+    if origin and not warm:
+        raise ScenarioError(
+            f"{scenario.file}: is of a run that began with the state of {origin}; give "
+            f"--from RUN@S to begin there again, or run {scenario.name} itself"
+        )
     with collecting() as warnings:
         found = _compose(scenario, earlier)
         spec = read_units(scenario.spec, found.fmus, found.unit, found.parameter)

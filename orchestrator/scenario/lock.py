@@ -23,8 +23,13 @@ LOCK = "scenario.lock.toml"
 _VERSIONS = ("feeddrive-cosim", "numpy", "scipy", "casadi", "ziglang", "fmpy")
 
 
-def write_lock(composition: Composition, folder: Path) -> Path:
-    """Write the lock file and the FMUs it names into ``folder``; return its path."""
+def write_lock(
+    composition: Composition, folder: Path, origin: str | None = None
+) -> Path:
+    """Write the lock file and the FMUs it names into ``folder``; return its path.
+
+    ``origin`` is where the run begins, if not at 0.
+    """
     import tomli_w
 
     fmus = folder / "fmus"
@@ -32,7 +37,10 @@ def write_lock(composition: Composition, folder: Path) -> Path:
     for component in composition.system.components.values():
         shutil.copyfile(component.fmu, fmus / f"{component.name}.fmu")
     file = folder / LOCK
-    file.write_bytes(tomli_w.dumps(locked(composition)).encode())
+    tables = locked(composition)
+    if origin is not None:
+        tables["lock"]["origin"] = origin
+    file.write_bytes(tomli_w.dumps(tables).encode())
     return file
 
 

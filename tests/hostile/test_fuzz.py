@@ -7,7 +7,6 @@ per reader with ``--hostile``, as long as one likes with ``--fuzz-examples``.
 import contextlib
 import json
 import re
-import shutil
 import subprocess
 import zipfile
 from collections.abc import Callable
@@ -22,6 +21,7 @@ from draws import seed
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import seed as seeded
 from hypothesis import strategies as st
+from tools import lacking, needed
 
 from fmus.build import build
 from orchestrator.errors import FeedDriveError
@@ -184,15 +184,15 @@ def states(model: str, tmp_path: Path, compiler: list[str]) -> Path | None:
     return program if done.returncode == 0 else None
 
 
-@pytest.mark.skipif(shutil.which("clang") is None, reason="clang brings libFuzzer")
 @pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
 def test_states_that_libfuzzer_finds_are_taken_or_refused(
     model: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
+    needed("clang")
     sanitizers = "-fsanitize=fuzzer,address,undefined"
     program = states(model, tmp_path, ["clang", sanitizers, "-DLIBFUZZER"])
     if program is None:
-        pytest.skip("libFuzzer is not installed (libclang-rt-dev)")
+        lacking("libFuzzer (libclang-rt-14-dev)")
     tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
     number = int(sha256(seed().encode()).hexdigest()[:7], 16)
     options = [f"-runs={tries}", f"-seed={number}", "-detect_leaks=1", "-timeout=20"]
@@ -202,11 +202,11 @@ def test_states_that_libfuzzer_finds_are_taken_or_refused(
     assert f"Done {tries} runs" in done.stderr
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc brings the sanitizers")
 @pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
 def test_serialised_states_are_taken_or_refused(
     model: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
+    needed("gcc")  # which brings the sanitizers
     program = states(model, tmp_path, ["gcc", "-fsanitize=address,undefined"])
     assert program
     tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)

@@ -16,11 +16,11 @@ from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter
+from simulated import simulated
 from systems import part, system
 
 from fmus.build import build
 from orchestrator.master.simulate import simulate
-from orchestrator.outcome import Run
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
@@ -156,24 +156,24 @@ def p_pi_monolith(n: int, every: int) -> Array:
 def test_a_slower_position_loop_holds_no_feed_forward_back(
     every: int, peak: float, rms: float, tmp_path: Path
 ) -> None:
-    split = simulated("p_pi_split_track_500", tmp_path, f"position.step={every}/20000")
+    split = simulated(
+        tmp_path, f"{STUDY}/p_pi_split_track_500", f"position.step={every}/20000"
+    )
     x_2 = p_pi_monolith(15013, every)
     assert np.max(np.abs(split["plant.x_2"].values - x_2)) < 1e-9
     assert split.metrics["tracking.peak"].value == pytest.approx(peak, abs=0.005)
     assert split.metrics["tracking.rms"].value == pytest.approx(rms, abs=0.005)
 
 
-def simulated(scenario: str, folder: Path, *overrides: str) -> Run:
-    return run(load_scenario(f"{STUDY}/{scenario}", overrides), folder, report=False)
-
-
 @pytest.mark.parametrize("latency", [0, 1, 2])
 def test_split_composite_and_monolith_move_alike(latency: int, tmp_path: Path) -> None:
     composite = simulated(
-        "mc_ppc_track_1000", tmp_path / "one", f"controller.latency={latency}"
+        tmp_path / "one", f"{STUDY}/mc_ppc_track_1000", f"controller.latency={latency}"
     )
     split = simulated(
-        "mc_ppc_split_track_1000", tmp_path / "split", f"filters.latency={latency}"
+        tmp_path / "split",
+        f"{STUDY}/mc_ppc_split_track_1000",
+        f"filters.latency={latency}",
     )
     x_2 = monolith(11032, latency)
     for result in (composite, split):
@@ -183,7 +183,7 @@ def test_split_composite_and_monolith_move_alike(latency: int, tmp_path: Path) -
 def test_the_composite_in_a_foreign_jacobi_master_has_latency_one(
     tmp_path: Path,
 ) -> None:
-    ours = simulated("mc_ppc_track_1000", tmp_path / "ours")
+    ours = simulated(tmp_path / "ours", f"{STUDY}/mc_ppc_track_1000")
     controller, drive = (
         opened(build(module), tmp_path / module)
         for module in ("controllers.ball_screw.mc_ppc", "plants.ball_screw.two_mass")

@@ -9,18 +9,11 @@ import numpy as np
 import pytest
 from ball_screw_lpv_loop import Loop, milling, over_x_and_mass, scheduled
 from numpy.typing import NDArray
-
-from orchestrator.outcome import Run
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run
+from simulated import simulated
 
 Array = NDArray[np.float64]
+STUDY = "ball_screw_lpv"
 STOP = 1.35  # s: the nut crosses 0.27 m outwards and 0.25 m on its way back
-
-
-def simulated(folder: Path, scenario: str, *overrides: str) -> Run:
-    loaded = load_scenario(f"ball_screw_lpv/{scenario}", overrides)
-    return run(loaded, folder, report=False)
 
 
 def far(got: Array, expected: Array) -> float:
@@ -54,7 +47,10 @@ IN_THE_CUT = Loop(
 def test_a_composition_is_the_independent_loop_to_1e_9(
     scenario: str, loop: Loop, tmp_path: Path
 ) -> None:
-    got, expected = simulated(tmp_path, scenario, f"stop={STOP}"), loop.run()
+    got, expected = (
+        simulated(tmp_path, f"ball_screw_lpv/{scenario}", f"stop={STOP}"),
+        loop.run(),
+    )
     assert np.ptp(expected["u_c"]) > 0.29
     for name, signal in (("u_c", "plant.u_c"), ("v_m", "controller.v_m")):
         assert far(got[signal].values, expected[name]) < 1e-9, signal
@@ -67,9 +63,11 @@ def test_a_composition_is_the_independent_loop_to_1e_9(
 
 
 def test_the_whole_controller_equals_its_parts_to_the_last_bit(tmp_path: Path) -> None:
-    parts = simulated(tmp_path / "parts", "switched_split", f"stop={STOP}")
+    parts = simulated(tmp_path / "parts", f"{STUDY}/switched_split", f"stop={STOP}")
     observed = "controller.tracking.observe=true"
-    one = simulated(tmp_path / "whole", "switched_f1", f"stop={STOP}", observed)
+    one = simulated(
+        tmp_path / "whole", "ball_screw_lpv/switched_f1", f"stop={STOP}", observed
+    )
     for signal in ("plant.u_c", "controller.v_m"):
         assert np.array_equal(parts[signal].values, one[signal].values), signal
     region = parts["supervisor.region"].values

@@ -6,24 +6,12 @@ import numpy as np
 import pytest
 from bipod_loop import Loop
 from numpy.typing import NDArray
+from simulated import far, simulated
 
-from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run
 
 Array = NDArray[np.float64]
 ROUGH = ("plant.friction.on=true", "plant.g=9.81")
-
-
-def simulated(folder: Path, scenario: str, *overrides: str) -> Run:
-    loaded = load_scenario(f"bipod_lpv/{scenario}", overrides)
-    return run(loaded, folder, report=False)
-
-
-def far(got: Array, expected: Array) -> float:
-    """Return the largest difference relative to the largest value."""
-    return float(np.max(np.abs(got - expected)) / np.max(np.abs(expected)))
 
 
 def test_figures_are_within_the_tolerances_of_the_study(
@@ -42,7 +30,7 @@ def test_figures_are_within_the_tolerances_of_the_study(
 def test_the_mechanism_neither_makes_nor_loses_energy(
     scenario: str, rough: tuple[str, ...], tmp_path: Path
 ) -> None:
-    got = simulated(tmp_path, scenario, *rough)
+    got = simulated(tmp_path, f"bipod_lpv/{scenario}", *rough)
     balance = got["plant.E"].values - got["plant.W"].values
     assert np.ptp(got["plant.E"].values) > 4
     assert np.ptp(balance) < 1e-9
@@ -53,7 +41,7 @@ def test_a_composition_is_the_independent_loop_to_1e_9(
     controller: str, tmp_path: Path
 ) -> None:
     """Until 1.6 s the rods pass 70 and 75.4 deg both ways."""
-    got = simulated(tmp_path, f"{controller}_disturbed", "stop=1.6")
+    got = simulated(tmp_path, f"bipod_lpv/{controller}_disturbed", "stop=1.6")
     expected = Loop(controller).run(1.6)
     for name, signal in (
         ("x_1", "plant.x_1"),

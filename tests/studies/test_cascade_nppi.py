@@ -5,7 +5,6 @@ fractional dead time of 2.4 samples, the cascade as printed (Anang et al. 2018,
 eq. 1 to 9).
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,33 +12,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from simulated import Co
 
 from orchestrator.evaluation.metrics import sine_fit
-from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
 STUDY = "cascade_nppi"
 k_p, k_i, k_v, TAU = 0.006607, 0.12075, 225.0, 1.2e-3
 Array = NDArray[np.float64]
-Co = Callable[..., Run]
-
-
-@pytest.fixture(scope="module")
-def co_simulated(tmp_path_factory: pytest.TempPathFactory) -> Co:
-    """Return a function that runs a scenario with overrides, each one once."""
-    done: dict[tuple[str, ...], Run] = {}
-
-    def get(scenario: str, *overrides: str) -> Run:
-        key = (scenario, *overrides)
-        if key not in done:
-            folder = tmp_path_factory.mktemp("run")
-            loaded = load_scenario(f"{STUDY}/{scenario}", overrides)
-            done[key] = run(loaded, folder, report=False)
-        return done[key]
-
-    return get
 
 
 class Table:

@@ -1,34 +1,17 @@
 """What the gantry study must show, from its own scenarios."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from simulated import Co
 
 from controllers.synthesis.gantry import identification as gantry_identification
-from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run
 
-Co = Callable[..., Run]
-
-
-@pytest.fixture(scope="module")
-def co_simulated(tmp_path_factory: pytest.TempPathFactory) -> Co:
-    """Return a function that runs a scenario with overrides, each one once."""
-    done: dict[tuple[str, ...], Run] = {}
-
-    def get(scenario: str, *overrides: str) -> Run:
-        key = (scenario, *overrides)
-        if key not in done:
-            folder = tmp_path_factory.mktemp("run")
-            loaded = load_scenario(f"gantry/{scenario}", overrides)
-            done[key] = run(loaded, folder, report=False)
-        return done[key]
-
-    return get
+STUDY = "gantry"
 
 
 @pytest.mark.parametrize(

@@ -14,19 +14,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.signal import zpk2tf
-
-from orchestrator.outcome import Run
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run
+from simulated import simulated
 
 Array = NDArray[np.float64]
 T = 1 / 15_000
 m, m_x, L, J_0, d, c, k = 2.722, 0.6977, 1.484, 0.4342, 0.1655, 18.17, 159_200.0
 F_L = 221.28
-
-
-def simulated(folder: Path, scenario: str, *overrides: str) -> Run:
-    return run(load_scenario(f"gantry/{scenario}", overrides), folder, report=False)
 
 
 def command(t: Array, stroke: float) -> tuple[Array, Array]:
@@ -198,7 +191,7 @@ def test_the_fmus_are_the_monolith_while_the_table_moves(
     tmp_path: Path, latency: int
 ) -> None:
     late = [f"{axis}_controller.latency={latency}" for axis in "xy"]
-    done = simulated(tmp_path, "mimo_diagonal_200", *late)
+    done = simulated(tmp_path, "gantry/mimo_diagonal_200", *late)
     reference = monolith(18_751, 0.1414, -0.0707, latency)
     for name, expected in reference.items():
         assert np.max(np.abs(done[name].values - expected)) < 1e-9 * 0.2, name
@@ -207,8 +200,8 @@ def test_the_fmus_are_the_monolith_while_the_table_moves(
 
 
 def test_split_and_composite_controllers_are_bit_equal(tmp_path: Path) -> None:
-    whole = simulated(tmp_path / "whole", "mimo_diagonal_200", "stop=1/2")
-    split = simulated(tmp_path / "split", "mimo_split_diagonal_200", "stop=1/2")
+    whole = simulated(tmp_path / "whole", "gantry/mimo_diagonal_200", "stop=1/2")
+    split = simulated(tmp_path / "split", "gantry/mimo_split_diagonal_200", "stop=1/2")
     for name in ("x_plant.x", "y_plant.y_1", "y_plant.y_2", "y_plant.y_t"):
         assert np.array_equal(whole[name].values, split[name].values), name
 
@@ -267,7 +260,11 @@ def test_finer_exchange_converges_with_first_order_to_the_moving_table(
     for parts in (1, 2, 4):
         steps = [f"{axis}_plant.step=1/{15_000 * parts}" for axis in "xy"]
         done = simulated(
-            tmp_path / str(parts), "mimo_diagonal_200", "stop=1/5", *shorter, *steps
+            tmp_path / str(parts),
+            "gantry/mimo_diagonal_200",
+            "stop=1/5",
+            *shorter,
+            *steps,
         )
         ends = np.column_stack([done[f"y_plant.y_{i}"].values for i in (1, 2)])
         errors.append(np.max(np.abs(ends - reference)))

@@ -11,33 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from simulated import Co
 
-from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run
 
 STUDY = "leadscrew_nctf"
 T = 2e-4
 Array = NDArray[np.float64]
-Co = Callable[..., Run]
 HALF_STEP = Path(__file__).parent.parent / "support" / "leadscrew_half_step.py"
-
-
-@pytest.fixture(scope="module")
-def co_simulated(tmp_path_factory: pytest.TempPathFactory) -> Co:
-    """Return a function that runs a scenario with overrides, each one once."""
-    done: dict[tuple[str, ...], Run] = {}
-
-    def get(scenario: str, *overrides: str) -> Run:
-        key = (scenario, *overrides)
-        if key not in done:
-            folder = tmp_path_factory.mktemp("run")
-            loaded = load_scenario(f"{STUDY}/{scenario}", overrides)
-            done[key] = run(loaded, folder, report=False)
-        return done[key]
-
-    return get
 
 
 def mechanism(

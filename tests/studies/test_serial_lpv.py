@@ -6,23 +6,11 @@ import numpy as np
 import pytest
 import serial_loop
 from numpy.typing import NDArray
+from simulated import far, simulated
 
-from orchestrator.outcome import Run
 from orchestrator.reproduction.reproduce import reproduce
-from orchestrator.scenario.reading import load_scenario
-from orchestrator.session import run
 
 Array = NDArray[np.float64]
-
-
-def simulated(folder: Path, scenario: str, *overrides: str) -> Run:
-    loaded = load_scenario(f"serial_lpv/{scenario}", overrides)
-    return run(loaded, folder, report=False)
-
-
-def far(got: Array, expected: Array) -> float:
-    """Return the largest difference relative to the largest value."""
-    return float(np.max(np.abs(got - expected)) / np.max(np.abs(expected)))
 
 
 def test_figures_are_within_the_tolerances_of_the_study(
@@ -43,7 +31,7 @@ def test_a_composition_is_the_independent_loop_to_1e_9(
     """Until 2.16 s both axes have switched, x at 0.90 and y at 2.11 s."""
     if controller != "hysteresis" and not request.config.getoption("--every-form"):
         pytest.skip("the same loop with one table; --every-form")
-    got = simulated(tmp_path, f"{controller}_force", "stop=2.16")
+    got = simulated(tmp_path, f"serial_lpv/{controller}_force", "stop=2.16")
     expected = serial_loop.run(controller, 6001)
     for n, axis in enumerate("xy"):
         for name, signal in (("u_c", f"plant.u_c{axis}"), ("v_m", "v_m"), ("e", "e")):
@@ -63,7 +51,7 @@ def test_the_command_jumps_where_a_state_is_kept_and_nowhere_else(
     blend has neither (Hanifzadegan 2014, fig. 7.5)."""
     swing, jump = {}, {}
     for scenario in ("hysteresis_kept", "hysteresis", "smooth"):
-        got = simulated(tmp_path / scenario, scenario)
+        got = simulated(tmp_path / scenario, f"serial_lpv/{scenario}")
         v_m = got["control_x.v_m"]
         near = (v_m.time > 0.89) & (v_m.time < 0.95)
         jump[scenario] = np.max(np.abs(np.diff(v_m.values[near])))

@@ -1,6 +1,7 @@
 """Small systems of test models, built natively."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -8,9 +9,10 @@ from zipfile import ZipFile
 
 from fmus.build import build
 from fmus.trust import trust
-from orchestrator.system import Component, System
+from orchestrator.system import Component, Fault, Mapped, System
 
 MODELS = Path(__file__).parents[1] / "orchestrator" / "models"
+SMALL = Path(__file__).parents[1] / "fmus" / "small_models"
 
 
 def trusted(fmu: Path) -> Path:
@@ -51,4 +53,35 @@ def system(
         {c.name: c for c in components},
         connections or {},
         {name: (Fraction(period),) for name, period in (record or {}).items()},
+    )
+
+
+def controller(kind: str) -> Component:
+    file = build(str(SMALL / "pi.py"), kind=kind, period=Fraction(1, 1000))  # type: ignore[arg-type]
+    start = {"r": 1.0}
+    return Component("pi", file, Fraction(1, 1000), kind="sampled", start=start)
+
+
+def lag() -> System:
+    file, per = build(str(SMALL / "late.py")), {"u": Mapped("u", 2.0, 0.0, "N.m")}
+    plant = Component("late", file, Fraction(1, 1000), map=per)
+    wires = {"late.u": "pi.u"}
+    return system("1/50", [controller("native"), plant], wires, {"late.y": "1/1000"})
+
+
+def mixed() -> System:
+    """Dead time, a latency, several rates with an offset, a fault with a memory."""
+    slow = replace(controller("native"), name="slow", period=Fraction(1, 1000))
+    slow = replace(
+        slow, offset=Fraction(1, 3000), map={"y": Mapped("y", 1.0, 0.0, "V")}
+    )
+    late = Fault("delay", 0.0, 2, Fraction(1, 200), None)
+    given = lag()
+    pi = replace(given.components["pi"], latency=2)
+    return replace(
+        given,
+        components={**given.components, "pi": pi, "slow": slow},
+        connections={**given.connections, "slow.y": "late.y"},
+        record={"late.y": (Fraction(1, 1000),), "slow.u": (Fraction(1, 500),)},
+        faults={"late.u": (late,)},
     )

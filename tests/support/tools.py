@@ -8,8 +8,12 @@ import pytest
 
 def needed(*programs: str) -> None:
     """Skip a test for want of a program; in CI that is a failure."""
-    missing = [program for program in programs if not shutil.which(program)]
-    if missing and os.environ.get("CI") == "true":
-        pytest.fail(f"{', '.join(missing)}: not installed, though this is CI")
-    if missing:
-        pytest.skip(f"{', '.join(missing)}: not installed")
+    if missing := [program for program in programs if not shutil.which(program)]:
+        lacking(", ".join(missing))
+
+
+def lacking(what: str) -> None:
+    """Skip a test because this is not installed; in CI that is a failure."""
+    if os.environ.get("CI") == "true":
+        pytest.fail(f"{what}: not installed, though this is CI")
+    pytest.skip(f"{what}: not installed")

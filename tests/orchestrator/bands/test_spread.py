@@ -3,28 +3,13 @@
 from pathlib import Path
 
 import pytest
+from rope_study import SCENARIO
 
 from orchestrator.bands.spread import bands, read_bands
 from orchestrator.errors import ScenarioError
 from orchestrator.reproduction.reference import read_reference
 from orchestrator.scenario.reading import find_study, studies
 
-SCENARIO = """
-stop = "0.01"
-[components.plant]
-fmu = "plants.ball_screw.two_mass"
-step = "1/20000"
-[components.rope]
-fmu = "plants.disturbances.rope_snap"
-step = "1/20000"
-parameters = { t_0 = 0 }
-[connections]
-"plant.d_2" = "rope.d_2"
-[record]
-"rope.d_2" = true
-[metrics]
-pull = { kind = "peak", of = "rope.d_2", unit = "mV" }
-"""
 ROW = """
 [[figure]]
 id = "{id}"

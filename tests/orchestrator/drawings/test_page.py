@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rope_study import SCENARIO
 
 from orchestrator.drawings.making import Maker
 from orchestrator.drawings.page import write_figures
@@ -12,23 +13,6 @@ from orchestrator.errors import FeedDriveError
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.session import run
 
-SCENARIO = """
-stop = "0.01"
-[components.plant]
-fmu = "plants.ball_screw.two_mass"
-step = "1/20000"
-[components.rope]
-fmu = "plants.disturbances.rope_snap"
-step = "1/20000"
-parameters = { t_0 = 0 }
-[connections]
-"plant.d_2" = "rope.d_2"
-[record]
-"rope.d_2" = true
-"plant.x_2" = true
-[metrics]
-pull = { kind = "peak", of = "rope.d_2", unit = "mV" }
-"""
 REFERENCE = """
 title = "A small study"
 source = "Nobody, 2026"

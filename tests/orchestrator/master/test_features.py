@@ -11,25 +11,25 @@ import pytest
 from clocked import clocked as clocked_by_others
 from foreign import foreign
 from of_others import ending, falling, faulty_words, iterated, talked, words
-from systems import part, system
+from systems import controller, lag, mixed, part, system
 from typer.testing import CliRunner
 
-from fmus.build import build
 from orchestrator.cli import app
 from orchestrator.errors import FeedDriveError
 from orchestrator.master.checkpoint import Checkpoints, Keeper
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.simulate import plan, simulate
+from orchestrator.master.warm import origin
 from orchestrator.result import Result, Signal, reached
 from orchestrator.signals.recording import Recording, play
 from orchestrator.system import Component, Fault, Injection, Isolation, Mapped, System
 
 PAGE = Path(__file__).parents[3] / "docs" / "executors.md"
-SMALL = Path(__file__).parents[2] / "fmus" / "small_models"
 EXECUTORS = ("python", "kernel", "fused", "lanes")
 
 
 CHECKPOINT = "checkpoint and resume"
+WARM = "begin at a kept checkpoint (--from)"
 PACE = "held to the clock (pace)"
 
 
@@ -39,19 +39,6 @@ def pair(**options: object) -> System:
         replace(part("b", "counter", "1/1000"), **options),
     ]
     return system("1/100", parts, {"b.u": "a.k"}, {"b.seen": "1/1000"})
-
-
-def controller(kind: str) -> Component:
-    file = build(str(SMALL / "pi.py"), kind=kind, period=Fraction(1, 1000))  # type: ignore[arg-type]
-    start = {"r": 1.0}
-    return Component("pi", file, Fraction(1, 1000), kind="sampled", start=start)
-
-
-def lag() -> System:
-    file, per = build(str(SMALL / "late.py")), {"u": Mapped("u", 2.0, 0.0, "N.m")}
-    plant = Component("late", file, Fraction(1, 1000), map=per)
-    wires = {"late.u": "pi.u"}
-    return system("1/50", [controller("native"), plant], wires, {"late.y": "1/1000"})
 
 
 def circle(g: float) -> System:
@@ -185,24 +172,6 @@ def unsplit() -> System:
     return system("1/125", parts, wires, {"plant.y": "1/250"})
 
 
-def mixed() -> System:
-    """Dead time, a latency, several rates with an offset, a fault with a memory."""
-    slow = replace(controller("native"), name="slow", period=Fraction(1, 1000))
-    slow = replace(
-        slow, offset=Fraction(1, 3000), map={"y": Mapped("y", 1.0, 0.0, "V")}
-    )
-    late = Fault("delay", 0.0, 2, Fraction(1, 200), None)
-    given = lag()
-    pi = replace(given.components["pi"], latency=2)
-    return replace(
-        given,
-        components={**given.components, "pi": pi, "slow": slow},
-        connections={**given.connections, "slow.y": "late.y"},
-        record={"late.y": (Fraction(1, 1000),), "slow.u": (Fraction(1, 500),)},
-        faults={"late.u": (late,)},
-    )
-
-
 FEATURES: dict[str, Callable[[Path], System]] = {
     "several rates": lambda _: system(
         "1/100",
@@ -237,6 +206,7 @@ FEATURES: dict[str, Callable[[Path], System]] = {
     "model exchange with state events": falling,
     PACE: lambda _: mixed(),
     CHECKPOINT: lambda _: mixed(),
+    WARM: lambda _: mixed(),
 }
 
 
@@ -260,6 +230,20 @@ def resumed(given: System, executor: str, folder: Path) -> Result:
     return simulate(given, place, **options)  # type: ignore[arg-type]
 
 
+def begun(given: System, executor: str, folder: Path) -> dict[str, Signal]:
+    """The rows of a run up to a checkpoint, and of one that begins there."""
+    time, kept = Fraction(1, 125), Checkpoints(Fraction(1, 1000), kept=True)
+    whole = simulate(given, folder / "whole", checkpoints=kept)
+    there = origin("it", folder / "whole", time)
+    rest = simulate(given, folder / executor, executor=executor, origin=there)  # type: ignore[arg-type]
+    found = {}
+    for name, signal in whole.items():
+        before = signal.values[signal.time < float(time)]
+        values = np.concatenate([before, rest[name].values])
+        found[name] = replace(signal, values=values)
+    return found
+
+
 def interrupting(write: Callable[..., None]) -> Callable[..., None]:
     calls = count(1)
 
@@ -274,8 +258,9 @@ def interrupting(write: Callable[..., None]) -> Callable[..., None]:
 def carried_out(
     given: System, executor: str, folder: Path, feature: str = ""
 ) -> dict[str, Signal]:
-    if feature in (CHECKPOINT, PACE) and executor == "lanes":
-        option = "--pace" if feature == PACE else "--checkpoint"
+    options = {CHECKPOINT: "--checkpoint", PACE: "--pace", WARM: "--from"}
+    if feature in options and executor == "lanes":
+        option = options[feature]
         verb = ["sweep", "x", option, "1"]
         raise FeedDriveError(CliRunner().invoke(app, verb).output)
     if executor == "lanes":
@@ -286,8 +271,10 @@ def carried_out(
         return dict(member.signals)
     if feature == CHECKPOINT:
         return dict(resumed(given, executor, folder))
-    options = {"executor": executor, "pace": 1.0 if feature == PACE else None}
-    done: Result = simulate(given, folder / executor, **options)  # type: ignore[arg-type]
+    if feature == WARM:
+        return begun(given, executor, folder)
+    kind = {"executor": executor, "pace": 1.0 if feature == PACE else None}
+    done: Result = simulate(given, folder / executor, **kind)  # type: ignore[arg-type]
     return dict(done)
 
 

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from rope_study import SCENARIO
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
@@ -11,22 +12,6 @@ from orchestrator.reproduction.formula import evaluate_formula
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.scenario import reading as scenario_module
 
-SCENARIO = """
-stop = "0.01"
-[components.plant]
-fmu = "plants.ball_screw.two_mass"
-step = "1/20000"
-[components.rope]
-fmu = "plants.disturbances.rope_snap"
-step = "1/20000"
-parameters = { t_0 = 0 }
-[connections]
-"plant.d_2" = "rope.d_2"
-[record]
-"rope.d_2" = true
-[metrics]
-pull = { kind = "peak", of = "rope.d_2", unit = "mV" }
-"""
 REFERENCE = """
 title = "A small study"
 [[figure]]

@@ -2,6 +2,22 @@
 
 import numpy as np
 import pytest
+from ball_screw_numbers import (
+    B_1,
+    B_2,
+    K_I2,
+    K_V1,
+    K_V2,
+    K_X1,
+    K_X2,
+    M_1,
+    M_2,
+    SET_A,
+    SET_B,
+    T_S,
+    C,
+    K,
+)
 from scipy import signal
 
 from controllers.synthesis.ball_screw.loops import (
@@ -13,17 +29,6 @@ from controllers.synthesis.ball_screw.loops import (
 from controllers.synthesis.frequency import GRID_HZ, battery, poles, respond
 from controllers.synthesis.matched import factored, matched
 
-T_S = 5e-5
-M_1, M_2, B_1, B_2, K, C = 1.858e-3, 0.379e-3, 1.020e-3, 0.0, 210.02, 0.014
-K_X1, K_X2, K_V1, K_V2, K_I2 = (
-    632.9653,
-    -83.312458,
-    1.648469979,
-    0.264903101,
-    70135.3877,
-)
-SET_A = {"K_px": 189.0, "K_pv": 0.91, "K_iv": 119.0}
-SET_B = {"K_px": 329.0, "K_pv": 0.668, "K_iv": 2.39}
 F_HZ = GRID_HZ[::20]
 
 
