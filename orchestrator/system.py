@@ -30,7 +30,8 @@ class Mapped:
     ``unit`` is that of our side; without it the FMU's own unit is kept.  With a unit
     and no gain the FMU's unit is converted to it.  ``range`` is for integer inputs:
     what reaches them is rounded to the nearest whole number (half a one upwards) and
-    held at the end of their range, or counted on from its other end.
+    held at the end of their range, or counted on from its other end.  ``table`` are the
+    whole numbers (or 0 and 1) that an input may be given, and what it gets for each.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Mapped:
     offset: float | None = None
     unit: str | None = None
     range: Range | None = None
+    table: tuple[tuple[int, int], ...] | None = None
 
 
 @dataclass(frozen=True)

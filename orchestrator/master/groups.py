@@ -8,6 +8,7 @@ nothing acts on it: no fault, no injection.
 from collections.abc import Iterator, Mapping, Sequence
 
 from orchestrator.errors import SimulationError, WiringError, did_you_mean
+from orchestrator.fmu.whole import Listed
 from orchestrator.master.layout import Faulty, Group, Injected, Part, Wiring
 from orchestrator.master.places import Copy
 from orchestrator.system import Iterated, System
@@ -134,4 +135,8 @@ def only_python(wiring: Wiring) -> str:
         return f"groups.{wiring.groups[0].name} is iterated"
     if wiring.texts:
         return f"{wiring.texts[0].ends} carries a text"
+    for part in wiring.parts.values():
+        for copy in part.copies:
+            if isinstance(copy.whole, Listed):
+                return f"{copy.ends} is looked up in a table"
     return ""

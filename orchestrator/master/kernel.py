@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
+from orchestrator.fmu.whole import Whole
 from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.doing import place
 from orchestrator.instances.group import group_table
@@ -49,6 +50,7 @@ def _law(copy: Copy) -> tuple[int, float, float]:
     whole = copy.whole
     if whole is None:
         return 0, 0.0, 0.0
+    assert isinstance(whole, Whole)  # tables are refused
     return 1 + get_args(Range).index(whole.law), whole.low, whole.high
 
 

@@ -115,8 +115,9 @@ def _faulty(
                 )
             if port.whole is not None:
                 raise WiringError(
-                    f"{where}: {port.full_name} is rounded by its map, on which no "
-                    f"fault acts; put the fault before a component that rounds"
+                    f"{where}: {port.full_name} is rounded or looked up by its map, "
+                    f"on which no fault acts; put the fault before a component that "
+                    f"does it"
                 )
             edge = brought.get((*key, port.element))
             if edge is None:

@@ -115,7 +115,7 @@ def _component(component: Component) -> dict[str, Any]:
         "start": _plain(component.start),
         "map": {
             name: {
-                key: str(value) if key == "unit" else value
+                key: _of_map(key, value)
                 for key, value in vars(mapped).items()
                 if value is not None
             }
@@ -135,6 +135,12 @@ def _component(component: Component) -> dict[str, Any]:
     if component.interface == "model_exchange":
         written["interface"] = component.interface
     return {key: value for key, value in written.items() if value != {}}
+
+
+def _of_map(key: str, value: Any) -> Any:
+    if key == "table":
+        return {str(given): becomes for given, becomes in value}
+    return str(value) if key == "unit" else value
 
 
 def _isolation(isolation: Isolation) -> dict[str, Any]:
