@@ -17,7 +17,10 @@ from orchestrator.scenario.reading import STUDIES, find_study
 
 PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
     "cascade_nppi": {
-        ("Table 2", "mm"): (10, 1.5449),
+        ("Table 2", "mm"): (11, 1.7477),
+        ("Sec. 3.1, 3.2", "V.s/mm"): (2, 0.013214),  # the printed gains, twice
+        ("Sec. 3.1, 3.2", "V/mm"): (2, 0.2415),
+        ("Sec. 3.1, 3.2", "1/s"): (2, 450),
         ("2.2", "s"): (1, 0.0012),
         ("Table 1", "1"): (3, 10.5403),
         ("Sec. 4, abstract", "%"): (2, 22.26),
