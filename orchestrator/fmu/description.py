@@ -165,20 +165,16 @@ class FmuDescription:
         return tuple(n for n, v in self.variables.items() if v.causality == "output")
 
     def feeds_through(self, name: str) -> bool:
-        """Tell whether some output depends directly on this input while stepping.
-
-        Dependencies on parameters are not declared: they count as there.
-        """
+        """Tell whether some output depends directly on this input while stepping;
+        dependencies on parameters are not declared and count as there."""
         return self._feeds(name, self.dependencies)
 
     def feeds_through_initially(self, name: str) -> bool:
         """Tell the same of initialisation; unlisted outputs depend on everything."""
         return self._feeds(name, self.initial_dependencies)
 
-    def _feeds(
-        self, name: str, dependencies: Mapping[str, frozenset[str] | None]
-    ) -> bool:
-        declared = [dependencies.get(output) for output in self.outputs]
+    def _feeds(self, name: str, said: Mapping[str, frozenset[str] | None]) -> bool:
+        declared = [said.get(output) for output in self.outputs]
         is_input = self.variables[name].causality == "input"
         return not is_input or any(d is None or name in d for d in declared)
 

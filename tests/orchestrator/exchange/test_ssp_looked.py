@@ -114,10 +114,10 @@ def test_a_mapping_comes_back_as_it_was(
     file = of_signal(tmp_path, one[kind], kind, word, ENTRIES[kind])
     scenario = write_beside(file, tmp_path / "new")
     assert "[components.b.map.u.table]" in scenario.read_text()
-    first = export_ssp(composed(scenario), tmp_path / "1.ssp", "2.0")
+    first = export_ssp(composed(scenario), tmp_path / "1" / "plant.ssp", "2.0")
     assert schema_faults(first) == []
     back = compose(load_package(first), run_earlier)
-    again = export_ssp(back, tmp_path / "2.ssp", "2.0")
+    again = export_ssp(back, tmp_path / "2" / "plant.ssp", "2.0")
     assert again.read_bytes() == first.read_bytes()
     assert read_package(first).components["b"]["map"]["u"]["table"]
 
