@@ -82,7 +82,7 @@ def test_a_state_with_theirs_inside_is_taken_back_and_goes_on_elsewhere(
     assert other.rows(STEP, 900, 500) == first
     damaged = bytearray(bytes_)
     damaged[-9] ^= 1
-    with pytest.raises(Exception, match="(?i)deserialize"):
+    with pytest.raises(Exception, match=r"(?i)deserialize"):
         getattr(other.fmu, of_bytes)(bytes(damaged))
 
 
