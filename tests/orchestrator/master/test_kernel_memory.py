@@ -57,7 +57,7 @@ def test_1000_instances_leave_nothing_behind(model: str, tmp_path: Path) -> None
 def test_every_way_through_kernel_and_channel_is_what_it_is_said_to_be(
     paths: str, tmp_path: Path
 ) -> None:
-    """Types, copies, faults, clocks, each failure of each call; turns of any outcome."""
+    """Types, copies, faults, clocks, each failure of each call; turns of any end."""
     needed("gcc")
     program = tmp_path / "paths"
     flags = ["-O1", "-g", "-std=gnu11", SANITIZERS, "-fno-sanitize-recover=all"]
