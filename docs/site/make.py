@@ -16,11 +16,17 @@ from keys import keys_page
 from pages import model_page, models_page, verbs_page
 
 from orchestrator.cli.fmus import model_modules
+from orchestrator.playground import page as played
+from orchestrator.playground.compiled import Playable
+from orchestrator.playground.schema import pages
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "dist" / "site-source"
 SITE = ROOT / "dist" / "site"
 LINK = re.compile(r"(!?\[[^\]]*\]\()([^)#\s]+)(#[^)\s]*)?\)")
+
+
+PLAYED = {f"playground/{name}.html": spec for name, spec in pages().items()}
 
 
 def gather(folder: Path, modules: Iterable[str]) -> None:
@@ -51,6 +57,12 @@ def gather(folder: Path, modules: Iterable[str]) -> None:
         _write(folder / "reference" / f"{name}.md", model_page(name))
 
 
+def play(folder: Path) -> None:
+    """Write the pages that run in the browser."""
+    for place, spec in PLAYED.items():
+        _write(folder / place, played.page(Playable(spec), "../playground.html"))
+
+
 def _write(file: Path, text: str) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
@@ -74,7 +86,7 @@ def _links(file: Path, docs: Path) -> str:
 
     def link(match: re.Match[str]) -> str:
         before, target, part = match[1], match[2], match[3] or ""
-        if "://" in target or target.startswith("mailto:"):
+        if "://" in target or target.startswith("mailto:") or target in PLAYED:
             return match[0]
         there = (file.parent / target).resolve()
         if not there.exists():
@@ -113,6 +125,7 @@ def missing(site: Path = SITE) -> Iterator[str]:
 def main() -> int:
     """Build the site; 1 if a link leads nowhere."""
     gather(SOURCE, model_modules())
+    play(SOURCE)
     built = subprocess.run(
         [sys.executable, "-m", "zensical", "build", "--clean", "--strict"],
         cwd=ROOT,

@@ -5,7 +5,8 @@
     z-domain    exact zero-order hold of the traced plant, the traced run-time
                 controller, ``latency`` samples of delay
 
-each with the ideal two-mass drive and with the 450 Hz current loop before it.
+each with the ideal two-mass drive and with the 450 Hz current loop before it; and
+with the drive as it was measured (``plants.ball_screw.measured``).
 
 Parameters are given by name: ``m_2`` goes to plant and controller alike,
 ``plant.m_2`` or ``controller.filters.omega_lpf_hz`` to one of them.
@@ -27,6 +28,7 @@ from controllers.synthesis.linearise import linearise, without_bystanders
 from controllers.synthesis.parameters import share, with_values
 from fmus.model import Model, Record
 from plants.ball_screw import drive as ball_screw_drive
+from plants.ball_screw import measured as ball_screw_measured
 from plants.ball_screw import two_mass as ball_screw
 
 Law: TypeAlias = Callable[[Any], ct.StateSpace]
@@ -98,6 +100,51 @@ def figures(
     return found
 
 
+def measured_figures(
+    controller: str, latency: int = 1, T_s: float = 5e-5, **parameters: float
+) -> dict[str, float]:
+    """Return the battery with the drive as measured: names as of ``figures``.
+
+    Without suffix in s, ``_z`` sampled; ``decay`` and ``radius``.
+
+    Args:
+        controller, latency, T_s, parameters: as of ``measured_loops``.
+
+    Raises:
+        LookupError: no controller of that name, or no such parameter.
+    """
+    continuous, sampled = measured_loops(controller, latency, T_s, **parameters)
+    found = _named(battery(respond(continuous)))
+    in_z = _named(battery(respond(sampled)))
+    found |= {f"{key}_z": value for key, value in in_z.items()}
+    found["decay"] = float(np.max(poles(continuous).real))
+    found["radius"] = float(np.max(np.abs(poles(sampled))))
+    return found
+
+
+def measured_loops(
+    controller: str, latency: int = 1, T_s: float = 5e-5, **parameters: float
+) -> tuple[Loop, Loop]:
+    """Return the loops in s and in z with ``plants.ball_screw.measured``.
+
+    Its current loop is on; ``second_order.on``, ``torsion.on`` and what belongs to
+    them are parameters of the plant.
+
+    Args:
+        controller, latency, T_s, parameters: as in ``figures``.
+
+    Raises:
+        LookupError: no controller of that name, or no such parameter.
+    """
+    model, law = _controller(controller)
+    record = with_values(ball_screw_measured.model.parameters, {"current_loop.on": 1})
+    records = {"plant": record, "controller": model.parameters}
+    drive, p = share(parameters, records)
+    plant = _linear(ball_screw_measured.model, drive)
+    sampled = Loop(_held(plant, T_s), _sampled(model, p, T_s), latency)
+    return Loop(plant, law(p)), sampled
+
+
 def tracking(
     controller: str,
     f_hz: float,
@@ -144,14 +191,16 @@ def sampled_loop(
     """Return the z-domain loop with the run-time controller and its commands."""
     model, _ = _controller(controller)
     plant, p = _parts(controller, current, parameters)
-    law = linearise(
-        model,
-        parameters=p,
-        inputs=["y_1", "y_2", *COMMANDS],
-        outputs=["u"],
-        T_s=T_s,
-    )
-    return Loop(plant[["x_1", "x_2"], :].sample(T_s, "zoh"), law, latency)
+    return Loop(_held(plant, T_s), _sampled(model, p, T_s), latency)
+
+
+def _held(plant: ct.StateSpace, T_s: float) -> ct.StateSpace:
+    return plant[["x_1", "x_2"], :].sample(T_s, "zoh")
+
+
+def _sampled(model: Model, p: Record, T_s: float) -> ct.StateSpace:
+    inputs = ["y_1", "y_2", *COMMANDS]
+    return linearise(model, parameters=p, inputs=inputs, outputs=["u"], T_s=T_s)
 
 
 def _controller(name: str) -> tuple[Model, Law]:
@@ -172,14 +221,14 @@ def _parts(
     drive, p = share(parameters, records)
     if current:
         drive = with_values(drive, {"current_loop.on": True})
-    plant = linearise(
-        model,
-        parameters=drive,
-        inputs=["u", "d_2"],
-        outputs=["v_1", "v_2", "x_1", "x_2"],
-    )
+    return _linear(model, drive), p
+
+
+def _linear(model: Model, drive: Record) -> ct.StateSpace:
+    outputs = ["v_1", "v_2", "x_1", "x_2"]
+    plant = linearise(model, parameters=drive, inputs=["u", "d_2"], outputs=outputs)
     # parts of the drive that are switched off would show among the eigenvalues
-    return without_bystanders(plant), p
+    return without_bystanders(plant)
 
 
 def _named(found: Battery) -> dict[str, float]:
