@@ -77,8 +77,12 @@ def export_whole(
     outputs: Sequence[str] = (),
     platforms: Sequence[str] = (),
     fmi: Fmi = 2,
+    *,
+    clock: bool = True,
 ) -> Path:
     """Write a composition as one FMU; without ``outputs`` it has what is recorded.
+
+    Without ``clock`` FMI 3 is as late as FMI 2, for tools that know no clocks.
 
     Raises:
         ScenarioError: something of it cannot be compiled in, or there is no such
@@ -93,7 +97,7 @@ def export_whole(
             f"python"
         )
     timetable = Timetable(replace(timetable.wiring, injected=()))
-    whole = _Whole(composition, timetable, inputs)
+    whole = _Whole(composition, timetable, inputs, clocked=clock)
     contents = whole.contents(fmi, tuple(platforms) or (host_platform(),))
     target.parent.mkdir(parents=True, exist_ok=True)
     return write_archive(target, contents)
@@ -134,9 +138,15 @@ def _endless(
 
 class _Whole:
     def __init__(
-        self, composition: Composition, timetable: Timetable, inputs: Sequence[str]
+        self,
+        composition: Composition,
+        timetable: Timetable,
+        inputs: Sequence[str],
+        *,
+        clocked: bool,
     ) -> None:
         self.composition, self.timetable = composition, timetable
+        self.clocked = clocked
         wiring = timetable.wiring
         found, whys = fusible(wiring.parts)
         ends: dict[str, set[str]] = {}
@@ -152,7 +162,7 @@ class _Whole:
                 source.programs.setdefault(program, len(source.programs))
         starts = {n: base_values(own) for n, own in source.own.items()}
         starts |= {n: one.starts() for n, one in source.foreign.items()}
-        outside = Ends(source, starts, inputs).outside()
+        outside = Ends(source, starts, inputs, clocked=clocked).outside()
         self.tables = Tables(source, stretches, starts, outside)
 
     def contents(self, fmi: Fmi, platforms: Sequence[str]) -> dict[str, bytes]:
@@ -201,6 +211,8 @@ class _Whole:
     @property
     def clock(self) -> Fraction | None:
         """The base period (s) of the sampled components, if there are any."""
+        if not self.clocked:
+            return None
         sampled = [
             part.component
             for part in self.timetable.wiring.parts.values()
