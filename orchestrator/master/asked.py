@@ -26,7 +26,8 @@ def refuse_unfit(system: System, c: Component, fmu: FmuDescription) -> None:
     if not (fmu.co_simulation or fmu.model_exchange):
         raise WiringError(
             f"{where}: {fmu.path.name} is neither for co-simulation nor for model "
-            f"exchange; export it for one of these"
+            f"exchange (scheduled execution is not carried out: its tasks want clocks "
+            f"that preempt one another); export it for one of these"
         )
     if fmu.clock is None and (why := unticked(fmu.clocks)):
         raise WiringError(

@@ -4,7 +4,8 @@
 2. all inner inputs are set to z, the rest to what it was given; all members step; z'
    is what their outputs then give the inner inputs;
 3. until |z' - z| <= tolerance * max(1, |z|): back to the kept states, and again with
-   z' (substitution, ``SWEEPS`` times), then by Newton's method from where it began.
+   z' (substitution, ``SWEEPS`` times), then by Newton's method from where the two
+   were nearest.
 
 The states in the end are those of the step with z.  A continuous member thus holds,
 over its step, what its neighbours give at the end of it; a sampled one reads what they
@@ -12,7 +13,7 @@ compute at the same instant.
 """
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from orchestrator.master.layout import Group, Part
 from orchestrator.master.newton import Refused, newton, settled
 from orchestrator.master.places import fitted
 
-SWEEPS = 30
+SWEEPS = 8
 
 Vector = NDArray[Any]
 
@@ -88,12 +89,16 @@ class Iteration:
     def _agreed(self, around: Any, start: list[float]) -> bool:
         """Tell whether inner inputs were found that their outputs agree with."""
         z, tolerance = start, self._group.tolerance
+        nearest, least = start, inf
         for _ in range(SWEEPS):
             after = around(z)
             if settled(z, after, tolerance):
                 return True
             if not all(map(isfinite, after)):
                 break
+            off = max(abs(g - one) for g, one in zip(after, z, strict=True))
+            if off < least:
+                nearest, least = z, off
             z = after
 
         def finite(z: Sequence[float]) -> list[float]:
@@ -103,7 +108,7 @@ class Iteration:
             return after
 
         try:
-            return newton(finite, start, tolerance) is not None
+            return newton(finite, nearest, tolerance) is not None
         except Refused:
             return False
 

@@ -85,7 +85,14 @@ EXPORT int fmi2GetFMUstate(Instance *i, void **s) { return keep(i, s); }
 EXPORT int fmi2SetFMUstate(Instance *i, void *s) { return back(i, s); }
 EXPORT int fmi2FreeFMUstate(Instance *i, void **s) { return drop(i, s); }
 #else
-EXPORT void *fmi3InstantiateCoSimulation(void) { return calloc(1, sizeof(Instance)); }
+/* Refused if anything is asked for that happens inside a step. */
+EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *token,
+                                         const char *place, _Bool visible, _Bool logging,
+                                         _Bool events, _Bool early, const unsigned *needed,
+                                         size_t n, void *environment, void *log,
+                                         void (*intermediate)(void)) {
+    return early || n || intermediate ? NULL : calloc(1, sizeof(Instance));
+}
 EXPORT int fmi3GetFloat64(Instance *i, const unsigned *vr, size_t n, double *v,
                           size_t m) {
     return get(i, vr, n, v);

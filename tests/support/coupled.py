@@ -7,14 +7,30 @@ from foreign import compile_source, packed
 SOURCE = Path(__file__).with_name("coupled.c")
 
 
-def coupled(fmi: int, folder: Path, *, states: bool = True) -> Path:
-    """Build the FMU into a folder; without ``states`` it says it has none."""
+OFFERS = (
+    'providesIntermediateUpdate="true" mightReturnEarlyFromDoStep="true" '
+    'canReturnEarlyAfterIntermediateUpdate="true"'
+)
+
+
+def coupled(
+    fmi: int,
+    folder: Path,
+    *,
+    states: bool = True,
+    interface: str = "",
+    kind: str = "CoSimulation",
+) -> Path:
+    """Build the FMU into a folder; without ``states`` it says it has none.
+
+    ``interface`` are further attributes of its interface, which is of a ``kind``.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     library = compile_source(fmi, SOURCE, folder, (), {})
-    return packed(fmi, folder, library, _description(fmi, states))
+    return packed(fmi, folder, library, _description(fmi, states, interface, kind))
 
 
-def _description(fmi: int, states: bool) -> str:
+def _description(fmi: int, states: bool, further: str, kind: str) -> str:
     rows = [
         ("u", "input", 'start="0"', ""),
         ("a", "parameter", 'start="0"', ' variability="fixed"'),
@@ -25,7 +41,7 @@ def _description(fmi: int, states: bool) -> str:
     word = "FMUstate" if fmi == 2 else "FMUState"
     can = f'canGetAndSet{word}="{str(states).lower()}"'
     interface = (
-        f'<CoSimulation modelIdentifier="coupled" {can} '
+        f'<{kind} modelIdentifier="coupled" {can} {further} '
         f'canHandleVariableCommunicationStepSize="true"/>'
     )
     if fmi == 2:

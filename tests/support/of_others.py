@@ -5,13 +5,20 @@ from fractions import Fraction
 from pathlib import Path
 
 from broken import ball, pack
-from coupled import coupled
+from coupled import OFFERS, coupled
 from foreign import foreign
 from outcomes import outcomes
 from systems import part, system
 from talking import talking
 
-from orchestrator.system import Component, Fault, Isolation, Iterated, System
+from orchestrator.system import (
+    Component,
+    Fault,
+    Isolation,
+    Iterated,
+    Mapped,
+    System,
+)
 
 
 def ending(folder: Path) -> System:
@@ -79,3 +86,33 @@ def talked(folder: Path) -> System:
     parts = [Component(name, file, step, isolation=here) for name in ("one", "two")]
     wires = {"two.heard": "one.text", "two.data": "one.bytes"}
     return system("1/100", parts, wires, {"one.k": str(step), "two.k": str(step)})
+
+
+def looked_up(folder: Path) -> System:
+    """Integers from -1 on, each through a table that is no line."""
+    step, here = Fraction(1, 1000), Isolation(process=False)
+    file = foreign(2, folder)
+    one, two = (Component(n, file, step, isolation=here) for n in ("one", "two"))
+    listed = tuple((k, k * k % 7) for k in range(-1, 20))
+    two = replace(two, map={"in": Mapped("in_Integer", table=listed)})
+    wires = {"two.in": "one.out_Integer"}
+    return system("1/100", [one, two], wires, {"two.out_Integer": str(step)})
+
+
+def offering(folder: Path) -> System:
+    """An FMU that offers both and is instantiated only where nobody asks for them."""
+    here = Isolation(process=False)
+    file = coupled(3, folder, interface=OFFERS)
+    one = Component(
+        "one", file, Fraction(1, 1000), parameters={"a": 2.0}, isolation=here
+    )
+    rows = {"one.y": "1/1000", "one.n": "1/1000"}
+    parts = [part("a", "counter", "1/1000"), one]
+    return system("1/100", parts, {"one.u": "a.k"}, rows)
+
+
+def scheduled(folder: Path) -> System:
+    """An FMU whose tasks the importer's clocks would have to run."""
+    file = coupled(3, folder, interface="", kind="ScheduledExecution")
+    one = Component("one", file, Fraction(1, 1000))
+    return system("1/100", [one], {}, {"one.y": "1/1000"})
