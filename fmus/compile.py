@@ -1,4 +1,4 @@
-"""Compile native FMUs for five platforms with one compiler, the ziglang wheel.
+"""Compile native FMUs for six platforms with one compiler, the ziglang wheel.
 
 The adapters are compiled once per platform and kept in a cache; per FMU only
 the generated file is compiled and linked to them.  The same sources give the
@@ -28,7 +28,6 @@ FLAGS = (
     "-fno-sanitize=undefined",
     "-g0",
     "-std=c99",
-    "-fPIC",
     "-fvisibility=hidden",
     "-Wall",
     "-Wextra",
@@ -42,13 +41,18 @@ class CompileError(Exception):
 
 @dataclass(frozen=True)
 class Platform:
-    """Where a binary runs, what zig calls that, and where FMI puts it."""
+    """Where a binary runs, what zig calls that, and where FMI puts it.
+
+    ``compiled`` and ``linked`` are flags besides ``FLAGS``.
+    """
 
     name: str
     triple: str
     fmi2_folder: str
     fmi3_folder: str
     suffix: str
+    compiled: tuple[str, ...] = ("-fPIC",)
+    linked: tuple[str, ...] = ("-shared",)
 
 
 PLATFORMS: Mapping[str, Platform] = MappingProxyType(
@@ -90,8 +94,28 @@ PLATFORMS: Mapping[str, Platform] = MappingProxyType(
                 "aarch64-darwin",
                 ".dylib",
             ),
+            # a core module, no component: docs/decisions/0045
+            Platform(
+                "wasm32",
+                "wasm32-wasi",
+                "wasm32-wasip1",
+                "wasm32-wasip1",
+                ".wasm",
+                (),
+                ("-mexec-model=reactor", "-Wl,--export-dynamic"),
+            ),
         )
     }
+)
+# for C alone that a page in a browser carries out: no library, no system, no FMU
+WEB = Platform(
+    "web",
+    "wasm32-freestanding",
+    "",
+    "",
+    ".wasm",
+    (),
+    ("-Wl,--no-entry", "-Wl,--export-dynamic"),
 )
 
 
@@ -158,7 +182,8 @@ def compile_library(
         linked = ["-lm"]
         if target.suffix != ".dll":
             linked += [f"-l{system}" for system in libraries]
-        _zig_cc(target, [*FLAGS, "-s", "-shared", "-o", name, *inputs, *linked], folder)
+        made = ["-s", *target.linked, "-o", name]
+        _zig_cc(target, [*made, *inputs, *linked], folder)
         publish([folder / name], place)
     return place / name
 
@@ -166,7 +191,7 @@ def compile_library(
 def compile_alone(
     name: str,
     sources: Mapping[str, str],
-    platform: str,
+    platform: str | Platform,
     cache: Path,
     libraries: Sequence[str] = (),
     flags: Sequence[str] = (),
@@ -189,9 +214,8 @@ def compile_alone(
         with building(cache) as folder:
             _write(folder, sources)
             inputs = source_names(sources) + linked
-            _zig_cc(
-                target, [*FLAGS, *flags, "-s", "-shared", "-o", file, *inputs], folder
-            )
+            made = [*flags, "-s", *target.linked, "-o", file]
+            _zig_cc(target, [*made, *inputs], folder)
             publish([folder / file], place)
     return place / file
 
@@ -205,12 +229,14 @@ def _adapters(target: Platform, sources: Mapping[str, str], cache: Path) -> list
             _write(folder, sources)
             # One call each: zig keeps only the first object of several.
             for name, source in zip(names, source_names(sources), strict=True):
-                _zig_cc(target, [*FLAGS, "-c", source, "-o", name], folder)
+                _zig_cc(target, ["-c", source, "-o", name], folder)
             publish([folder / name for name in names], ready)
     return [ready / name for name in names]
 
 
-def _target(platform: str) -> Platform:
+def _target(platform: str | Platform) -> Platform:
+    if isinstance(platform, Platform):
+        return platform
     try:
         return PLATFORMS[platform]
     except KeyError:
@@ -223,7 +249,8 @@ def _known() -> str:
 
 
 def _digest(target: Platform, sources: Mapping[str, str], *more: str) -> str:
-    parts = [target.triple, *FLAGS, compiler_version(), *more]
+    flags = [*FLAGS, *target.compiled, *target.linked]
+    parts = [target.triple, *flags, compiler_version(), *more]
     parts += [part for item in sorted(sources.items()) for part in item]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 
@@ -249,7 +276,7 @@ def _write(folder: Path, sources: Mapping[str, str]) -> None:
 
 def _zig_cc(target: Platform, arguments: Sequence[str], folder: Path) -> None:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target.triple]
-    command += arguments
+    command += [*FLAGS, *target.compiled, *arguments]
     environment = dict(os.environ)
     if "HOME" not in environment:  # where zig would keep what all builds share
         environment.setdefault("ZIG_GLOBAL_CACHE_DIR", str(cache_folder() / "zig"))

@@ -24,9 +24,9 @@ _LOGIC = re.compile(rf"\(({_NUMBER})(&&|\|\|)({_NUMBER})\)")
 _CHOICE = re.compile(rf"\(({_NUMBER})\?({_NUMBER}):0\)")
 _UNARY = re.compile(rf"\(([-!])({_NUMBER})\)")
 _CALL = re.compile(rf"(\w+)\(({_NUMBER})(?:,({_NUMBER}))?\)")
-_INPUT = re.compile(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0")
+_INPUT = re.compile(r"arg\[\d+\]\[\d+\]")
 _ASSIGN = re.compile(r"(a\d+)=(.*);")
-_RESULT = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]=(a\d+);")
+_RESULT = re.compile(r"res\[(\d+)\]\[(\d+)\]=(a\d+);")
 _DECLARED = re.compile(r"casadi_real (a\d+(?:, a\d+)*);")
 _FIELD = re.compile(r"(?m)^    (-?[\d.]+(?:e[+-]?\d+)?), /\* (\w+) \*/$")
 _DELAY = re.compile(r"\{(\d+), (\d+), (\d+)\}")
@@ -94,8 +94,8 @@ def _statements(body: str) -> Iterator[str]:
 
 
 def _operation(text: str) -> str:
-    if match := _INPUT.fullmatch(text):
-        return f"arg[{match[1]}][{match[2]}]"
+    if _INPUT.fullmatch(text):
+        return text
     if re.fullmatch(_NUMBER, text):
         return f"(V)({text})"
     if match := _ARITHMETIC.fullmatch(text):

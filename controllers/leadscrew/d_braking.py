@@ -35,7 +35,7 @@ class Parameters(NamedTuple):
     u_r: Annotated[float, Var("A", "height of the pulse")] = 6.0
     t_r: Annotated[float, Var("s", "duration of the pulse", min=0)] = 0.25
     t_0: Annotated[float, Var("s", "rest before the pulse", min=0)] = 0.0
-    K_d: Annotated[float, Var("A.s/mm", "gain on the speed", min=0)] = 0.06
+    K_d: Annotated[float, Var("A.s/mm", "gain on the speed", min=0)] = 0.1
 
 
 def step(x: State, u: Input, p: Parameters, T_s: float) -> tuple[State, Output]:

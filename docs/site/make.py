@@ -16,11 +16,17 @@ from keys import keys_page
 from pages import model_page, models_page, verbs_page
 
 from orchestrator.cli.fmus import model_modules
+from orchestrator.playground import page as played
+from orchestrator.playground.compiled import Playable
+from orchestrator.playground.schema import pages
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "dist" / "site-source"
 SITE = ROOT / "dist" / "site"
 LINK = re.compile(r"(!?\[[^\]]*\]\()([^)#\s]+)(#[^)\s]*)?\)")
+
+
+PLAYED = {f"playground/{name}.html": spec for name, spec in pages().items()}
 
 
 def gather(folder: Path, modules: Iterable[str]) -> None:
@@ -41,7 +47,8 @@ def gather(folder: Path, modules: Iterable[str]) -> None:
         _write(folder / name.lower(), _links(ROOT / name, docs))
     _write(folder / "decisions" / "index.md", _decisions(docs / "decisions"))
     (folder / "reference").mkdir()
-    shutil.copy(docs / "site" / "extra.css", folder / "extra.css")
+    for name in ("extra.css", "access.js"):
+        shutil.copy(docs / "site" / name, folder / name)
     shutil.copy(docs / "site" / "python.md", folder / "reference" / "python.md")
     _write(folder / "reference" / "verbs.md", verbs_page())
     _write(folder / "reference" / "keys.md", keys_page())
@@ -49,6 +56,12 @@ def gather(folder: Path, modules: Iterable[str]) -> None:
     _write(folder / "reference" / "index.md", models_page(firsts))
     for name in firsts:
         _write(folder / "reference" / f"{name}.md", model_page(name))
+
+
+def play(folder: Path) -> None:
+    """Write the pages that run in the browser."""
+    for place, spec in PLAYED.items():
+        _write(folder / place, played.page(Playable(spec), "../playground.html"))
 
 
 def _write(file: Path, text: str) -> None:
@@ -74,7 +87,7 @@ def _links(file: Path, docs: Path) -> str:
 
     def link(match: re.Match[str]) -> str:
         before, target, part = match[1], match[2], match[3] or ""
-        if "://" in target or target.startswith("mailto:"):
+        if "://" in target or target.startswith("mailto:") or target in PLAYED:
             return match[0]
         there = (file.parent / target).resolve()
         if not there.exists():
@@ -113,6 +126,7 @@ def missing(site: Path = SITE) -> Iterator[str]:
 def main() -> int:
     """Build the site; 1 if a link leads nowhere."""
     gather(SOURCE, model_modules())
+    play(SOURCE)
     built = subprocess.run(
         [sys.executable, "-m", "zensical", "build", "--clean", "--strict"],
         cwd=ROOT,

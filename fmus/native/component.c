@@ -22,7 +22,7 @@ int component_refuse(Component *c, const char *format, ...) {
     char room[MESSAGE], *longer = NULL, *message = room;
     size_t name, size;
     va_list arguments;
-    if (!c->logging)
+    if (!c || !c->logging)
         return STATUS_ERROR;
     va_start(arguments, format);
     name = strlen(c->name) + 2;

@@ -4,8 +4,8 @@
 
        parameters | inputs | outputs | states | derivatives | T_s | time
 
-   Equations are CasADi functions; an argument or result they do not need is
-   NULL:
+   Equations are CasADi functions; an argument they do not need may be NULL, a
+   result always has a place:
 
        prepare(p, T_s) -> d
        step(x, u, p, d, T_s) -> (x_next, y)      sampled

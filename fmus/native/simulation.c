@@ -116,7 +116,7 @@ static void compute_outputs(Simulation *s, const double *u) {
         evaluate(s, M.derivative, v + M.x, u, NULL, v + M.der_x, NULL);
         evaluate(s, M.output, v + M.x, u, NULL, v + M.y, NULL);
     } else {
-        evaluate(s, M.step, v + M.x, u, v + M.T_s, NULL, v + M.y);
+        evaluate(s, M.step, v + M.x, u, v + M.T_s, s->x, v + M.y);
     }
     s->state.outputs_stale = 0;
 }

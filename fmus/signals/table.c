@@ -110,9 +110,7 @@ static int written_step(const double **arg, double **res, long long *iw, double 
     double k = arg[0][0];
     size_t row = k >= ROWS - 1 ? ROWS - 1 : k > 0 ? (size_t)k : 0;
     (void)iw, (void)w, (void)mem;
-    if (res[1])
-        memcpy(res[1], table + row * COLUMNS, COLUMNS * sizeof *table);
-    if (res[0])
-        res[0][0] = k + 1;
+    memcpy(res[1], table + row * COLUMNS, COLUMNS * sizeof *table);
+    res[0][0] = k + 1;
     return 0;
 }

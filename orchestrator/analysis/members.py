@@ -32,6 +32,7 @@ from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import Check, check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.master.fused.lanes import Lanes
+from orchestrator.master.groups import only_python
 from orchestrator.master.loaded import Loaded
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
@@ -136,7 +137,7 @@ class Group:
         self._signals = frozenset(
             s for m in spec.metrics.values() for s in m.signals().values()
         )
-        self.executor = "kernel"
+        self.executor = "python" if only_python(self._timetable.wiring) else "kernel"
         if count >= MANY:
             with suppress(SimulationError, CompileError):
                 self._lanes = Lanes(self._timetable, self._signals, width())

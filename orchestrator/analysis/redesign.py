@@ -76,12 +76,22 @@ def make_anew(design: Shipped) -> Mapping[str, str]:
     """Return the files of a design, made anew.
 
     Raises:
-        DesignError: the solver is not installed or finds nothing.
+        DesignError: the solver is not installed, finds nothing, or what it finds
+            keeps no bound.
     """
     try:
-        return design.make()
+        files = design.make()
     except (ImportError, ValueError) as error:
         raise DesignError(f"{design.name}: {error}") from None
+    for file, text in files.items():
+        for key, value in json.loads(text).get("design", {}).items():
+            if isinstance(value, float) and not np.isfinite(value):
+                raise DesignError(
+                    f"{design.name}: {key} of {file} is {value}: what the solver found "
+                    "keeps no bound when it is checked without it; try other weights, "
+                    "points or solver. Nothing is written"
+                )
+    return files
 
 
 def compare(design: Shipped, files: Mapping[str, str]) -> Iterator[Change]:

@@ -15,19 +15,14 @@
 A member takes a value of each range, even over all of them; the band of a row is from
 the least figure of the members to the largest.  Members that fail or diverge are
 counted and left out: the source's drive ran.
-
-Where the source repeats an experiment, ``repeats = ["noise.seed"]`` takes the place of
-``unknown``: member i runs with a sequence of its own in each of these seeds, and the
-mean and the standard deviation (n - 1) of the members stand beside the band.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
-import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.variations import Tolerance, sample
@@ -58,37 +53,7 @@ class Spread(Strict):
     set: tuple[str, ...] = Field(default=(), strict=False)
     members: int = Field(default=32, ge=2)
     rows: dict[str, str] = Field(min_length=1)
-    unknown: tuple[Unknown, ...] = Field(default=(), strict=False)
-    repeats: tuple[str, ...] = Field(default=(), strict=False)
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if bool(self.unknown) == bool(self.repeats):
-            raise ValueError("give unknown, or repeats with the keys of seeds")
-        return self
-
-    def drawn(self, n: int) -> list[dict[str, float | str]]:
-        """Return what each of n members sets, the same every time."""
-        if self.repeats:
-            seeds = len(self.repeats)
-            return [
-                {key: 1.0 + i * seeds + j for j, key in enumerate(self.repeats)}
-                for i in range(n)
-            ]
-        ranges = [Tolerance(u.keys[0], "uniform", *u.between) for u in self.unknown]
-        return [
-            {key: one[u.keys[0]] for u in self.unknown for key in u.keys}
-            for one in sample(ranges, "sobol", n, SEED)
-        ]
-
-    def over(self) -> tuple[str, ...]:
-        """Return over what the members go, a sentence for each range."""
-        if self.repeats:
-            return (f"repeats, each with seeds of its own: {', '.join(self.repeats)}",)
-        return tuple(
-            f"{', '.join(u.keys)} {u.between[0]:g} to {u.between[1]:g}: {u.why}"
-            for u in self.unknown
-        )
+    unknown: tuple[Unknown, ...] = Field(min_length=1, strict=False)
 
 
 @dataclass(frozen=True)
@@ -96,8 +61,7 @@ class Band:
     """What a row could be: from ``low`` to ``high`` in the row's unit.
 
     ``inside`` tells whether the published value, or a value that it allows, is there;
-    ``members`` ran, ``failed`` did not or diverged; ``over`` says over what.  Of
-    repeats there are ``mean`` and ``deviation`` besides.
+    ``members`` ran, ``failed`` did not or diverged; ``over`` says over what.
     """
 
     row: str
@@ -110,8 +74,6 @@ class Band:
     members: int
     failed: int
     over: tuple[str, ...]
-    mean: float | None = None
-    deviation: float | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the object that ``reproduce --bands --json`` prints of it."""
@@ -164,8 +126,20 @@ def bands(
 def _bands(
     study: Path, name: str, spread: Spread, rows: Mapping[str, FigureSpec], n: int
 ) -> list[Band]:
-    done = sweep(study / f"{spread.scenario}.toml", spread.drawn(n), sets=spread.set)
-    over = spread.over()
+    drawn = sample(
+        [Tolerance(u.keys[0], "uniform", *u.between) for u in spread.unknown],
+        "sobol",
+        n,
+        SEED,
+    )
+    members = [
+        {key: one[u.keys[0]] for u in spread.unknown for key in u.keys} for one in drawn
+    ]
+    done = sweep(study / f"{spread.scenario}.toml", members, sets=spread.set)
+    over = tuple(
+        f"{', '.join(u.keys)} {u.between[0]:g} to {u.between[1]:g}: {u.why}"
+        for u in spread.unknown
+    )
     found = []
     for row, figure in spread.rows.items():
         if figure not in done.units:
@@ -186,11 +160,7 @@ def _bands(
         inside = _inside(spec.published, low, high)
         published = "" if spec.published is None else str(spec.published)
         head = row, spec.where, published, spec.unit, low, high, inside
-        band = Band(*head, len(values), n - len(values), over)
-        if spread.repeats and len(values) > 1:
-            scatter = float(np.std(values, ddof=1))
-            band = replace(band, mean=float(np.mean(values)), deviation=scatter)
-        found.append(band)
+        found.append(Band(*head, len(values), n - len(values), over))
     return found
 
 

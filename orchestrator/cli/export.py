@@ -54,6 +54,12 @@ def export(
             help="binaries of .fmu, or of FMUs in .ssp (repeatable)",
         ),
     ] = [],  # noqa: B006
+    no_clock: Annotated[
+        bool,
+        typer.Option(
+            "--no-clock", help="an .fmu of FMI 3 without its clock, as late as FMI 2"
+        ),
+    ] = False,
     json: Json = False,
 ) -> None:
     """Write the rows of a run (CSV, MAT as Dymola does, HDF5), or a scenario as SSP
@@ -72,7 +78,10 @@ def export(
                 f"--outputs and --platform"
             )
         ends = _listed(inputs), _listed(outputs)
-        written = _whole(run, sets, swap, map, output, *ends, platform, fmi)
+        of = run, sets, swap, map, output
+        written = _whole(*of, *ends, platform, fmi, clock=not no_clock)
+    elif no_clock:
+        raise ScenarioError(f"{output}: --no-clock is for a composition as one .fmu")
     elif inputs or outputs:
         raise ScenarioError(
             f"{output}: --inputs and --outputs are for a composition as one .fmu"
@@ -140,6 +149,8 @@ def _whole(
     outputs: list[str],
     platforms: list[str],
     fmi: int | None,
+    *,
+    clock: bool,
 ) -> Path:
     from fmus.compile import platforms_named
     from fmus.subject import Fmi
@@ -156,7 +167,8 @@ def _whole(
     wanted = [one for name in platforms for one in platforms_named(name)]
     with naming(scenario), waiting(f"building {output.name}"):
         composition = compose(scenario, run_earlier)
-        return export_whole(composition, output, inputs, outputs, wanted, version)
+        ends = inputs, outputs, wanted, version
+        return export_whole(composition, output, *ends, clock=clock)
 
 
 def _folder(name: str) -> Path:

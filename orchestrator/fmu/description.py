@@ -85,7 +85,7 @@ class FmuVariable:
 
     @property
     def is_text(self) -> bool:
-        """Whether its values are no numbers: they are set, but never travel."""
+        """Whether its values are no numbers: they are set and travel, no more."""
         return self.sort in ("string", "binary")
 
     @property
@@ -108,7 +108,7 @@ class FmuDescription:
     ``dependencies`` maps every output to the inputs it depends on directly
     while stepping, ``initial_dependencies`` in initialisation; None means all.
     ``internal_step`` (s) is what communication steps should be a multiple of.
-    ``saves_state``: its state can be got, written down and set.
+    ``gets_state``: its state can be got and set, ``saves_state``: written down too.
     ``kind`` and ``period`` are None where the FMU does not say.  ``clock`` is the
     reference of the input clock with that period, by which it is ticked.  ``units`` are
     definitions of all units it names.
@@ -129,6 +129,7 @@ class FmuDescription:
     variable_step: bool
     internal_step: Fraction | None
     needs_execution_tool: bool
+    gets_state: bool
     saves_state: bool
     once_per_process: bool
     co_simulation: bool
@@ -164,21 +165,18 @@ class FmuDescription:
         return tuple(n for n, v in self.variables.items() if v.causality == "output")
 
     def feeds_through(self, name: str) -> bool:
-        """Tell whether some output depends directly on this input while stepping.
-
-        Dependencies on parameters are not declared: they count as there.
-        """
-        if self.variables[name].causality != "input":
-            return True
-        declared = [self.dependencies.get(output) for output in self.outputs]
-        return any(d is None or name in d for d in declared)
+        """Tell whether some output depends directly on this input while stepping;
+        dependencies on parameters are not declared and count as there."""
+        return self._feeds(name, self.dependencies)
 
     def feeds_through_initially(self, name: str) -> bool:
         """Tell the same of initialisation; unlisted outputs depend on everything."""
-        if self.variables[name].causality != "input":
-            return True
-        declared = [self.initial_dependencies.get(output) for output in self.outputs]
-        return any(d is None or name in d for d in declared)
+        return self._feeds(name, self.initial_dependencies)
+
+    def _feeds(self, name: str, said: Mapping[str, frozenset[str] | None]) -> bool:
+        declared = [said.get(output) for output in self.outputs]
+        is_input = self.variables[name].causality == "input"
+        return not is_input or any(d is None or name in d for d in declared)
 
 
 def read_fmu(path: str | Path) -> FmuDescription:
@@ -255,6 +253,7 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
         variable_step=cs is None or bool(cs.canHandleVariableCommunicationStepSize),
         internal_step=_internal_step(root),
         needs_execution_tool=bool(interface and interface.needsExecutionTool),
+        gets_state=bool(cs and cs.canGetAndSetFMUstate),
         saves_state=bool(cs and cs.canSerializeFMUstate),
         once_per_process=bool(
             interface and interface.canBeInstantiatedOnlyOncePerProcess

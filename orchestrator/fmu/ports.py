@@ -14,7 +14,7 @@ from typing import NamedTuple
 from fmus.units import TurnError, UnitError, base_unit
 from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-from orchestrator.fmu.whole import Whole, whole_of
+from orchestrator.fmu.whole import Listed, Whole, listed_of, whole_of
 from orchestrator.quantities.unit import UndefinedUnit, Unit, conversion
 from orchestrator.system import Component, Mapped
 
@@ -61,7 +61,7 @@ class Port:
     unit: Unit | None
     doubts: tuple[str, ...] = ()
     asked: bool = False
-    whole: Whole | None = None
+    whole: Whole | Listed | None = None
 
     @property
     def full_name(self) -> str:
@@ -144,7 +144,8 @@ def _ports(
                 unit,
                 doubts,
                 asked=mapped.gain is not None or mapped.offset is not None,
-                whole=whole_of(component, variable, mapped, fmu.fmi_major),
+                whole=whole_of(component, variable, mapped, fmu.fmi_major)
+                or listed_of(component, variable, mapped, fmu.fmi_major),
             )
 
 
@@ -259,12 +260,16 @@ def _check_types(source: Port, sink: Port, ends: str) -> None:
         raise WiringError(f"{ends}: the source is an input; name an output instead")
     there, here = source.variable, sink.variable
     refused = f"{ends}: {there.kind} cannot drive {here.kind}"
-    for variable in (there, here):
-        if variable.is_text:
+    if there.is_text or here.is_text:
+        if there.sort != here.sort:
             raise WiringError(
-                f"{refused}: texts do not travel; set {variable.name} under parameters "
-                f"or start"
+                f"{refused}: texts pass to texts and bytes to bytes, as they are"
             )
+        return
+    if isinstance(sink.whole, Listed):
+        if there.sort == "real":
+            raise WiringError(f"{refused}: a table lists whole numbers")
+        return
     if (there.sort == "boolean") != (here.sort == "boolean"):
         if source.asked or sink.asked:
             return

@@ -219,7 +219,7 @@ class LocalInstance:
         self.do_step = self.library[name]
         self.do_step.restype = ctypes.c_int
         if self._fmi2:
-            self._tail: tuple[Any, ...] = (1,)
+            self.tail: tuple[Any, ...] = (1,)
             self.do_step.argtypes = [
                 ctypes.c_void_p,
                 ctypes.c_double,
@@ -231,7 +231,7 @@ class LocalInstance:
             self._reached = ctypes.c_double()
             self._event, self._ended, self._early = flags
             pointers = [ctypes.pointer(flag) for flag in flags]
-            self._tail = (True, *pointers, ctypes.pointer(self._reached))
+            self.tail = (True, *pointers, ctypes.pointer(self._reached))
             self.do_step.argtypes = [
                 ctypes.c_void_p,
                 ctypes.c_double,
@@ -256,7 +256,7 @@ class LocalInstance:
         self.clock.value = t
         if not self._fmi2:
             self._reached.value = t + h
-        status = self.do_step(self.slave, t, h, *self._tail)
+        status = self.do_step(self.slave, t, h, *self.tail)
         if not self._fmi2:
             self.outcome.reached = self._reached.value
             self.outcome.ended = self._ended.value

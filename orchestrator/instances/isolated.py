@@ -159,7 +159,7 @@ class IsolatedInstance:
 
     def step(self, t: float, h: float) -> None:
         self.clock.value = t
-        if self._library is not None:
+        if self.do_step is not None:
             if status := self.do_step(self.slave, t, h, 1):
                 raise self.failed_step(h, status)
             return

@@ -32,8 +32,16 @@ from orchestrator.instances.logs import LogMessage
 from orchestrator.instances.sandbox import enter
 from orchestrator.instances.shared import Shared
 from orchestrator.instances.spawn import stand_alone
-from orchestrator.instances.state import restore_here, save_here
+from orchestrator.instances.state import (
+    back_here,
+    drop_here,
+    keep_here,
+    restore_here,
+    save_here,
+)
 from orchestrator.native import library as c
+
+OWN = ("bind", "step", "exchange", "save", "restore", "keep", "back", "drop")
 
 
 def serve(
@@ -109,7 +117,7 @@ class _Server:
         self.listening = False
 
     def carry_out(self, request: str, arguments: Sequence[Any]) -> Any:
-        if request in ("bind", "step", "exchange", "save", "restore"):
+        if request in OWN:
             return getattr(self, request)(*arguments)
         return getattr(self.instance, request)(*arguments)
 
@@ -134,6 +142,16 @@ class _Server:
 
     def restore(self, state: bytes) -> None:
         restore_here(self.instance, state)
+
+    def keep(self) -> None:
+        self._set_inputs()
+        self.state = keep_here(self.instance)
+
+    def back(self) -> None:
+        back_here(self.instance, self.state)
+
+    def drop(self) -> None:
+        drop_here(self.instance, self.state)
 
     def _kernel(self) -> c.Kernel:
         """Return a kernel of which this FMU is the only part."""

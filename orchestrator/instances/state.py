@@ -1,6 +1,7 @@
 """The state of an FMU for co-simulation as bytes, which another instance of the same
 FMU takes over: got, serialised, deserialised and set as FMI 2.0.4, 2.1.8, and FMI
-3.0.1, 2.2.10, have it.  ``saving`` asks an instance wherever it runs.
+3.0.1, 2.2.10, have it; or kept in the FMU, to come back to.  ``saving`` asks an
+instance wherever it runs.
 """
 
 import ctypes
@@ -54,13 +55,38 @@ def restore_here(instance: LocalInstance, saved: bytes) -> None:
         _call(instance, set_, state)
 
 
+def keep_here(instance: LocalInstance) -> Any:
+    """Return a state, to come ``back_here`` to; steps from now on may be taken back.
+
+    Raises:
+        SimulationError: the FMU refuses.
+    """
+    instance.tail = (0, *instance.tail[1:])  # noSetFMUStatePriorToCurrentPoint
+    state = ctypes.c_void_p()
+    get, _, _ = _NAMES[instance.description.fmi_major]
+    _call(instance, get, ctypes.byref(state))
+    return state
+
+
+def back_here(instance: LocalInstance, state: Any) -> None:
+    """Bring an instance back to a state that was kept."""
+    _, set_, _ = _BACK[instance.description.fmi_major]
+    _call(instance, set_, state)
+
+
+def drop_here(instance: LocalInstance, state: Any) -> None:
+    """Free a state that was kept."""
+    _, _, free = _BACK[instance.description.fmi_major]
+    _call(instance, free, ctypes.byref(state))
+
+
 @contextmanager
 def _state(instance: LocalInstance) -> Iterator[Any]:
     """Give a place for a state, and free what stands there at the end."""
     state = ctypes.c_void_p()
     yield state
     if state:
-        _call(instance, _BACK[instance.description.fmi_major][2], ctypes.byref(state))
+        drop_here(instance, state)
 
 
 def _call(instance: LocalInstance, name: str, *arguments: Any) -> None:

@@ -102,7 +102,9 @@ def _age(timetable: Timetable, edge: Edge) -> Age:
     sink = timetable.wiring.parts[edge.sink]
     split = sink.splits
     every, read = source.component.period, sink.component.period
-    if split:
+    group = timetable.wiring.group_of(edge.source)
+    iterated = group is not None and edge.sink in group.members
+    if split or iterated:
         youngest = oldest = Fraction(0)
     else:
         youngest, oldest = _ages(timetable, source, sink, edge)
@@ -115,7 +117,11 @@ def _age(timetable: Timetable, edge: Edge) -> Age:
         youngest + delay,
         oldest + delay,
         ", ".join(
-            [_remark(source, sink, split, edge in timetable.waiting)]
+            [
+                f"iterated until both ends agree (groups.{group.name})"
+                if group and iterated
+                else _remark(source, sink, split, edge in timetable.waiting)
+            ]
             + [
                 f"fault: {describe(fault)}"
                 for faulty in timetable.wiring.faulty

@@ -20,6 +20,7 @@ from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.instances.saving import restore, save
 from orchestrator.master.apart import let_in
+from orchestrator.master.groups import only_python
 from orchestrator.master.recorder import Recorder
 from orchestrator.master.saved import (
     FORMAT,
@@ -78,6 +79,11 @@ def _refuse_unsaved(timetable: Timetable, executor: str | None) -> None:
         raise SimulationError(
             "checkpoints: executor fused keeps states where no FMU can save them; "
             "leave --executor out"
+        )
+    if why := only_python(timetable.wiring):
+        raise SimulationError(
+            f"checkpoints: {why}, and a run with that is not gone on with; run without "
+            f"--checkpoint"
         )
     cannot = [
         f"{part.name} ({part.fmu.path.name}) {_why(part.fmu.co_simulation)}"

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from orchestrator.errors import SimulationError
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.faults import Faults
+from orchestrator.master.iterate import Iteration
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, Views, carry, views
 from orchestrator.master.remembered import Remembered, Words
+from orchestrator.master.texts import Texts
 from orchestrator.master.timetable import Op, Program, Timetable
 from orchestrator.profile import Spent
 
@@ -67,6 +69,11 @@ class Executor:
         self._start = {
             i.place: float(vector[i.place]) for i in timetable.wiring.injected
         }
+        self._groups = {
+            group.name: Iteration(group, self._parts, instances, vector)
+            for group in timetable.wiring.groups
+        }
+        self._texts = Texts(timetable.wiring, instances)
         self._compiled: dict[int, tuple[Program, list[Action]]] = {}
 
     def run(self) -> Iterator[int]:
@@ -137,16 +144,19 @@ class Executor:
             return partial(self._faults.apply, op.target)
         if op.code == "inject":
             return self._inject(self._timetable.wiring.injected[int(op.target)])
+        if op.code == "iterate":
+            return self._iterate(op)
         part, instance = self._parts[op.target], self._instances[op.target]
         if op.code in ("advance", "tick"):
             step, back, h = instance.step, op.back, op.h
             return lambda k: step(seconds(k - back), h)
         if op.code == "write":
-            push = instance.push
-            return lambda _k: push()
+            return self._write(part, instance)
         if op.code == "read":
             return self._read(part, instance)
         copy = _copy(part.copies, self._views, seconds)
+        if op.code == "copy" and self._texts.leave(part.name):
+            return self._said(part.name, copy)
         if op.code == "copy":
             return copy
         line = self._lines[op.target]
@@ -158,6 +168,48 @@ class Executor:
             copy(k)
 
         return release
+
+    def _iterate(self, op: Op) -> Action:
+        run, give, seconds = (
+            self._groups[op.target].run,
+            self._texts.give,
+            self._seconds,
+        )
+        groups = {group.name: group for group in self._timetable.wiring.groups}
+        members = groups[op.target].members if op.back == 0 else ()
+        told = [name for name in members if self._texts.reach(name)]
+
+        def iterate(k: int) -> None:
+            for name in told:
+                give(name)
+            run(seconds(k - op.back), op.h)
+
+        return iterate
+
+    def _said(self, name: str, copy: Action) -> Action:
+        publish = self._texts.publish
+
+        def say(k: int) -> None:
+            copy(k)
+            publish(name)
+
+        return say
+
+    def _write(self, part: Part, instance: Instance) -> Action:
+        push, name = instance.push, part.name
+        group = self._timetable.wiring.group_of(name)
+        after: list[Callable[[], None]] = []
+        if group is not None:
+            after.append(partial(self._groups[group.name].wrote, part))
+        if self._texts.reach(name):
+            after.append(partial(self._texts.give, name))
+
+        def write(_k: int) -> None:
+            push()
+            for further in after:
+                further()
+
+        return write if after else lambda _k: push()
 
     def _inject(self, injected: Injected) -> Action:
         first, every = self._timetable.publications(injected)

@@ -24,6 +24,7 @@ from orchestrator.master.layout import Edge, Part, Wiring
 from orchestrator.master.newton import TOLERANCE, Refused, newton
 from orchestrator.master.order import initial_order
 from orchestrator.master.places import Copy, carry, fitted, store, views
+from orchestrator.master.texts import publish
 from orchestrator.warned import warn
 
 SUBSTITUTIONS = 200
@@ -135,6 +136,7 @@ def _sweep(
         instances[name].push()
         copies = [c for c in part.copies if c.sink not in without]
         _exchange(part, instances[name], vector, copies)
+        publish(wiring, instances, name)
 
 
 def _solve(

@@ -60,7 +60,7 @@ def refuse_changed(
 
 def _written(part: Part) -> list[tuple[FmuVariable, Values]]:
     """Return the last value written to each variable that nothing drives."""
-    driven = {variable.name for variable in part.inputs}
+    driven = {*(variable.name for variable in part.inputs), *part.heard}
     last = {v.name: (v, values) for v, values in part.start if v.name not in driven}
     return list(last.values())
 

@@ -15,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import SimulationError
+from orchestrator.fmu.whole import Whole
 from orchestrator.instances.clocked import ClockedInstance
 from orchestrator.instances.doing import place
 from orchestrator.instances.group import group_table
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import refusal
 from orchestrator.master.faulty import faulty_places, memories
+from orchestrator.master.groups import refuse_unless_python
 from orchestrator.master.layout import Injected, Part
 from orchestrator.master.places import Copy, carry, views
 from orchestrator.master.recorder import CHUNK, Table
@@ -48,6 +50,7 @@ def _law(copy: Copy) -> tuple[int, float, float]:
     whole = copy.whole
     if whole is None:
         return 0, 0.0, 0.0
+    assert isinstance(whole, Whole)  # tables are refused
     return 1 + get_args(Range).index(whole.law), whole.low, whole.high
 
 
@@ -73,6 +76,7 @@ class Kernel:
         *,
         profiled: bool = False,
     ) -> None:
+        refuse_unless_python(timetable.wiring, f"executor {self.name}")
         self._library = c.library()
         self.count = 0
         self.until: int | None = None

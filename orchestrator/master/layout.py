@@ -37,7 +37,8 @@ class Part:
     """A component with its places in the vector.
 
     ``read[:delayed]`` are outputs, which a latency delays; the rest (states,
-    parameters that are recorded) are published at once.
+    parameters that are recorded) are published at once.  ``heard`` are inputs that
+    texts travel to.
     """
 
     component: Component
@@ -51,6 +52,7 @@ class Part:
     delayed: int
     start: tuple[Written, ...]
     copies: tuple[Copy, ...]
+    heard: frozenset[str] = frozenset()
 
     @property
     def name(self) -> str:
@@ -114,6 +116,33 @@ class Injected:
 
 
 @dataclass(frozen=True)
+class Group:
+    """Parts that are stepped together until what ``inner`` copies agrees at both ends.
+
+    ``members`` in the order of the system; ``tolerance`` is of a number, or of 1.
+    """
+
+    name: str
+    members: tuple[str, ...]
+    inner: tuple[Copy, ...]
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Said:
+    """A text that travels, from an output to an input of the same type and size."""
+
+    source: str
+    output: FmuVariable
+    sink: str
+    input: FmuVariable
+
+    @property
+    def ends(self) -> str:
+        return f"{self.source}.{self.output.name} -> {self.sink}.{self.input.name}"
+
+
+@dataclass(frozen=True)
 class Column:
     """A recorded number: its name and unit, where it stands, when it is published.
 
@@ -144,6 +173,12 @@ class Wiring:
     warnings: tuple[str, ...]
     faulty: tuple[Faulty, ...] = ()
     injected: tuple[Injected, ...] = ()
+    groups: tuple[Group, ...] = ()
+    texts: tuple[Said, ...] = ()
+
+    def group_of(self, name: str) -> Group | None:
+        """Return the group that a component is iterated in."""
+        return next((g for g in self.groups if name in g.members), None)
 
 
 def kind_of(component: Component, fmu: FmuDescription) -> Kind:
@@ -163,19 +198,22 @@ class Layout:
         recorded: Mapping[str, Sequence[Port]],
         injected: Sequence[Port] = (),
     ) -> None:
-        self.system, self.fmus, self.links, self.size = system, fmus, links, 0
+        self.system, self.fmus, self.size = system, fmus, 0
+        self.links = [link for link in links if not link[0].variable.is_text]
+        self.heard = [t for s, t, _ in links if s.variable.is_text]
         self.input_at: dict[tuple[str, str], int] = {}
         self.read_at: dict[tuple[str, str], int] = {}
         self.places: dict[str, tuple[int, int, int, int]] = {}
         self.inputs: dict[str, tuple[FmuVariable, ...]] = {}
         self.read: dict[str, tuple[FmuVariable, ...]] = {}
-        sinks = [*(t for _, t, _ in links), *injected]
+        sinks = [*(t for _, t, _ in self.links), *injected]
         self.source_of = {
-            (t.component, t.variable.name, t.element): s.component for s, t, _ in links
+            (t.component, t.variable.name, t.element): s.component
+            for s, t, _ in self.links
         }
         driven = {(t.component, t.variable.name) for t in sinks}
         asked = [p for found in recorded.values() for p in found]
-        wanted = [s for s, _, _ in links]
+        wanted = [s for s, _, _ in self.links]
         wanted += [p for p in asked if (p.component, p.variable.name) not in driven]
         for name in system.components:
             self._place(name, sinks, wanted)
@@ -236,6 +274,7 @@ class Layout:
             delayed,
             start_values(component, fmu),
             copies,
+            frozenset(t.variable.name for t in self.heard if t.component == name),
         )
 
     def column(self, port: Port) -> Column:

@@ -1,4 +1,4 @@
-"""Newton's method for initial circles, in plain operations of doubles.
+"""Newton's method for circles, in plain operations of doubles.
 
 What comes back are the bits of ``native/fused/circle.h``, which does the same in
 lanes and inside exported FMUs: the same operations in the same order, no library.
@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 
 TOLERANCE = 1e-12
 SHIFT = 2.0**-26  # of a number, or of 1: for differences
+NOISE = 2.0**-20  # of numbers that cancel in a difference of differences
 ROUNDS, HALVINGS = 50, 20
 INFINITE = float("inf")
 
@@ -19,7 +20,9 @@ class Refused(Exception):
 
 
 def newton(
-    around: Callable[[Sequence[float]], Sequence[float]], start: Sequence[float]
+    around: Callable[[Sequence[float]], Sequence[float]],
+    start: Sequence[float],
+    tolerance: float = TOLERANCE,
 ) -> Numbers | None:
     """Return z with around(z) = z up to the tolerance; None if it is not found.
 
@@ -32,21 +35,23 @@ def newton(
     z = list(start)
     after = around(z)
     for _ in range(ROUNDS):
-        if settled(z, after):
+        if settled(z, after, tolerance):
             return z
         off = [g - one for g, one in zip(after, z, strict=True)]
         step = _solved(_rows(around, z, off))
-        found = step and _nearer(around, z, off, step)
+        found = step and _nearer(around, z, off, step, tolerance)
         if not found:
             return None
         z, after = found
     return None
 
 
-def settled(before: Sequence[float], after: Sequence[float]) -> bool:
+def settled(
+    before: Sequence[float], after: Sequence[float], tolerance: float = TOLERANCE
+) -> bool:
     """Tell whether numbers are the same up to the tolerance."""
     return all(
-        abs(g - z) <= TOLERANCE * max(1.0, abs(z))
+        abs(g - z) <= tolerance * max(1.0, abs(z))
         for z, g in zip(before, after, strict=True)
     )
 
@@ -66,20 +71,32 @@ def _rows(
 
 
 def _solved(rows: list[Numbers]) -> Numbers | None:
-    """Return the solution of linear equations, by elimination; None if singular."""
+    """Return the solution of linear equations, by elimination; None if singular.
+
+    What is left of larger numbers that cancel is noise of the differences, and no
+    pivot: a loop without a solution would be "solved" far away from everything.
+    """
     n = len(rows)
+    sizes = [
+        [max(abs(one), float(i == j)) for j, one in enumerate(row[:n])]
+        for i, row in enumerate(rows)
+    ]
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
             if abs(rows[i][k]) > abs(rows[pivot][k]):
                 pivot = i
         rows[k], rows[pivot] = rows[pivot], rows[k]
-        if not 0 < abs(rows[k][k]) < INFINITE:
+        sizes[k], sizes[pivot] = sizes[pivot], sizes[k]
+        if not NOISE * sizes[k][k] < abs(rows[k][k]) < INFINITE:
             return None
         for i in range(k + 1, n):
             share = rows[i][k] / rows[k][k]
             for j in range(k, n + 1):
-                rows[i][j] = rows[i][j] - share * rows[k][j]
+                taken = share * rows[k][j]
+                rows[i][j] = rows[i][j] - taken
+                if j < n and abs(taken) > sizes[i][j]:
+                    sizes[i][j] = abs(taken)
     found = [0.0] * n
     for i in reversed(range(n)):
         rest = rows[i][n]
@@ -94,6 +111,7 @@ def _nearer(
     z: Numbers,
     off: Numbers,
     step: Numbers,
+    tolerance: float,
 ) -> tuple[Numbers, Sequence[float]] | None:
     """Return where a step, halved if need be, leads nearer, and what is around it."""
     most, share = max(map(abs, off)), 1.0
@@ -105,6 +123,6 @@ def _nearer(
         except Refused:  # far from a solution anything may be
             continue
         far = max(abs(g - one) for g, one in zip(after, trial, strict=True))
-        if far < most or settled(trial, after):
+        if far < most or settled(trial, after, tolerance):
             return trial, after
     return None

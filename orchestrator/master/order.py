@@ -3,15 +3,18 @@
 A component that some output of which depends directly on an input must run
 after the component driving that input: a circle of such edges is refused.  An
 input that feeds no output through is ordered likewise where possible, else it
-waits for its source's next tick, which is reported.  A latency cuts its edges.
+waits for its source's next tick, which is reported.  A latency cuts its edges.  The
+members of a group that is iterated run as one.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 
 from orchestrator.errors import WiringError
 from orchestrator.master.layout import Edge, Wiring
+
+ALONE: Mapping[str, str] = {}
 
 
 def running_order(wiring: Wiring) -> tuple[tuple[str, ...], frozenset[Edge]]:
@@ -21,46 +24,56 @@ def running_order(wiring: Wiring) -> tuple[tuple[str, ...], frozenset[Edge]]:
         WiringError: sampled components feed through in a circle.
     """
     sampled = [n for n, p in wiring.parts.items() if p.kind == "sampled"]
+    first = {n: g.members[0] for g in wiring.groups for n in g.members}
     edges = [
         e
         for e in wiring.edges
         if e.source in sampled
         and e.sink in sampled
         and not wiring.parts[e.source].component.latency
+        and (e.source not in first or first[e.source] != first.get(e.sink))
     ]
     hard = [e for e in edges if wiring.parts[e.sink].fmu.feeds_through(e.input)]
     try:
-        order = _sorted(sampled, hard)
+        order = _sorted(sampled, hard, first)
     except CycleError as error:
-        raise WiringError(_loop(error.args[1], hard)) from None
+        raise WiringError(_loop(error.args[1], hard, first)) from None
     kept, waiting = list(hard), []
     for edge in edges:
         if edge in hard:
             continue
         try:
-            order = _sorted(sampled, [*kept, edge])
+            order = _sorted(sampled, [*kept, edge], first)
             kept.append(edge)
         except CycleError:
             waiting.append(edge)
-    return order, frozenset(waiting)
+    members = {g.members[0]: g.members for g in wiring.groups}
+    whole = (n for one in order for n in members.get(one, (one,)))
+    return tuple(whole), frozenset(waiting)
 
 
-def _sorted(names: Iterable[str], edges: Iterable[Edge]) -> tuple[str, ...]:
-    before: dict[str, set[str]] = {name: set() for name in names}
+def _sorted(
+    names: Iterable[str], edges: Iterable[Edge], first: Mapping[str, str] = ALONE
+) -> tuple[str, ...]:
+    """Return the names in an order; ``first`` stands for all members of a group."""
+    before: dict[str, set[str]] = {first.get(name, name): set() for name in names}
     for edge in edges:
-        before[edge.sink].add(edge.source)
+        sink, source = first.get(edge.sink, edge.sink), edge.source
+        before[sink].add(first.get(source, source))
     return tuple(TopologicalSorter(before).static_order())
 
 
-def _loop(cycle: list[str], edges: Iterable[Edge]) -> str:
+def _loop(cycle: list[str], edges: Iterable[Edge], first: Mapping[str, str]) -> str:
     """Describe a circle; graphlib lists it source first, its first name twice."""
     steps = set(pairwise(cycle))
-    around = [e for e in edges if (e.source, e.sink) in steps]
+    ends = [(first.get(e.source, e.source), first.get(e.sink, e.sink)) for e in edges]
+    around = [e for e, pair in zip(edges, ends, strict=True) if pair in steps]
     listed = ", ".join(f"{e.source}.{e.output} -> {e.sink}.{e.input}" for e in around)
     return (
         f"sampled components feed through in a circle within one instant: {listed}; "
         f"give one of them latency = 1 (what it computes is then published one sample "
-        f"later), for instance components.{cycle[0]}.latency = 1"
+        f"later), for instance components.{cycle[0]}.latency = 1, or put them into a "
+        f"group with iterate = true"
     )
 
 

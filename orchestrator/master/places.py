@@ -15,7 +15,7 @@ from orchestrator.errors import SimulationError
 from orchestrator.fmu.description import Dtype, FmuVariable
 from orchestrator.fmu.ports import Affine
 from orchestrator.fmu.typed import Held
-from orchestrator.fmu.whole import Whole
+from orchestrator.fmu.whole import Listed, Whole
 
 Views: TypeAlias = Mapping[Dtype, Any]
 RANGES = {"int64": (-(2**63), 2**63 - 1), "uint64": (0, 2**64 - 1)}
@@ -44,7 +44,7 @@ def store(
 
 
 def fitted(
-    value: float, affine: Affine, to: Dtype, whole: Whole | None = None
+    value: float, affine: Affine, to: Dtype, whole: Whole | Listed | None = None
 ) -> float:
     """Return gain * value + offset as a number of another type, or in its range.
 
@@ -54,7 +54,8 @@ def fitted(
     if affine.converts:
         value = affine.gain * float(value) + affine.offset
     if whole is not None:
-        return whole.of(float(value))
+        found = whole.of(float(value))
+        return found if to == "float64" else int(found)
     if to == "float64":
         if isinstance(value, int) and int(float(value)) != value:
             raise ValueError(
@@ -74,7 +75,7 @@ def fitted(
 class Copy:
     """vector[sink] = gain * vector[source] + offset; ``ends`` names both.
 
-    With ``whole`` the result is rounded and kept in its range.
+    With ``whole`` the result is rounded and kept in its range, or looked up.
 
     ``from_`` and ``to`` are the types of the two places.
     """
@@ -85,7 +86,7 @@ class Copy:
     from_: Dtype
     to: Dtype
     ends: str
-    whole: Whole | None = None
+    whole: Whole | Listed | None = None
 
     @property
     def is_exact(self) -> bool:

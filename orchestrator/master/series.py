@@ -14,6 +14,7 @@ from orchestrator.errors import FeedDriveError
 from orchestrator.instances.ending import Ended
 from orchestrator.instances.protocol import Instance
 from orchestrator.master.executor import Executor
+from orchestrator.master.groups import only_python
 from orchestrator.master.initialise import initialise
 from orchestrator.master.kernel import Kernel
 from orchestrator.master.layout import Column
@@ -80,7 +81,7 @@ class Series:
         kept: Mapping[str, "Kept"],
     ) -> Any:
         tables: Any = kept
-        if self._executor == "python":
+        if self._executor == "python" or only_python(timetable.wiring):
             rows = {name: table.row for name, table in kept.items()}
             return Executor(timetable, instances, vector, rows)
         return Kernel(timetable, instances, vector, tables)

@@ -36,6 +36,7 @@ from orchestrator.instances.protocol import Instance
 from orchestrator.master.apart import let_in, simulate_apart
 from orchestrator.master.checkpoint import Checkpoints, Keeper, refuse_options
 from orchestrator.master.executor import Executor
+from orchestrator.master.groups import only_python
 from orchestrator.master.initialise import initialise
 from orchestrator.master.layout import Wiring
 from orchestrator.master.pace import Pacer
@@ -186,6 +187,11 @@ def _engine(
     Raises:
         SimulationError: the kernel was asked for and cannot be used.
     """
+    why = only_python(timetable.wiring)
+    if profiled and why:
+        raise SimulationError(
+            f"profile: {why}, and whose time that takes is not known; run without it"
+        )
     if executor == "fused":
         from orchestrator.master.fused.executor import Fused
 
@@ -200,7 +206,7 @@ def _engine(
             raise SimulationError(
                 f"executor fused cannot be compiled: {error}"
             ) from None
-    if executor != "python":
+    if executor != "python" and (executor or not why):
         from orchestrator.master.kernel import Kernel
 
         try:

@@ -3,11 +3,13 @@
 At instant k (time t):
 
 1. ``advance``: continuous components due, and those that a source publishes to
-   strictly inside their step, are stepped to t with what they were last given;
+   strictly inside their step, are stepped to t with what they were last given
+   (``iterate``: all of a group);
    where the window of a fault begins or ends, ``fault`` renews all faulty inputs;
 2. ``read`` and ``copy``: outputs of the due ones are exchanged;
 3. sampled components due, in running order: first every ``release`` (latency
-   lines publish), then each ``write``, ``tick``, ``read``, ``copy`` or ``hold``;
+   lines publish), then each ``write``, ``tick``, ``read``, ``copy`` or ``hold``
+   (a group: ``iterate``, then ``read``, ``copy`` of each member);
    then ``write`` for the continuous components stepped at this instant;
 4. ``row``: tables due are recorded; at the stop all of them.
 
@@ -31,6 +33,7 @@ from orchestrator.master.schedule import Clock, Schedule, Stretch
 
 Code = Literal[
     "advance",
+    "iterate",
     "read",
     "copy",
     "release",
@@ -45,12 +48,12 @@ Code = Literal[
 
 class Op(NamedTuple):
     """One operation on a component (on a table for ``row``, on an injected input,
-    by its number, for ``inject``).
+    by its number, for ``inject``, on a group for ``iterate``).
 
     ``fault`` follows what its target published; without one all are renewed.
 
-    ``back`` and ``h`` of an ``advance``: it starts ``back`` ticks before this
-    instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
+    ``back`` and ``h`` of an ``advance`` or ``iterate``: it starts ``back`` ticks before
+    this instant and is ``h`` seconds long; ``h`` of a ``tick`` is the period.
     """
 
     code: Code
@@ -132,12 +135,19 @@ class Timetable:
     def steps(self) -> dict[str, int]:
         """Count the steps and ticks of every component over the run."""
         counted = dict.fromkeys(self.wiring.parts, 0)
+        members = {group.name: group.members for group in self.wiring.groups}
         stepping: dict[int, list[str]] = {}
         for stretch in self.stretches():
             for program in stretch.entries:
                 if id(program) not in stepping:
                     stepping[id(program)] = [
                         op.target for op in program if op.code in ("advance", "tick")
+                    ]
+                    stepping[id(program)] += [
+                        name
+                        for op in program
+                        if op.code == "iterate"
+                        for name in members[op.target]
                     ]
                 for name in stepping[id(program)]:
                     counted[name] += stretch.repeats
@@ -147,12 +157,13 @@ class Timetable:
         """Return the mask of the clocks that split a component's steps."""
         if not part.splits:
             return 0
-        wiring = self.wiring
-        splitters = {e.source for e in wiring.edges if e.sink == part.name}
+        wiring, group = self.wiring, self.wiring.group_of(part.name)
+        members = group.members if group else (part.name,)
+        splitters = {e.source for e in wiring.edges if e.sink in members}
         splitters |= {
             _switch_name(t)
             for faulty in wiring.faulty
-            if faulty.edge.sink == part.name
+            if faulty.edge.sink in members
             for t in switches(faulty)
         }
         return sum(bit[name] for name in splitters if name in bit)
@@ -175,7 +186,7 @@ class Timetable:
                     if full
                     else self.schedule.duration(back)
                 )
-                ops.append(Op("advance", part.name, back, h))
+                ops += self._stepped(Op("advance", part.name, back, h))
         if any(mask & bit[name] for name in self._switches):
             ops.append(Op("fault", ""))
         for part in self.continuous:
@@ -184,9 +195,13 @@ class Timetable:
         ticking = [parts[name] for name in self.order if mask & bit[name]]
         ops += [Op("release", p.name) for p in ticking if p.component.latency]
         for part in ticking:
-            ops += self._injections(part.name, driven=False)
-            ops.append(Op("write", part.name))
-            ops.append(Op("tick", part.name, 0, float(part.component.period)))
+            h, group = float(part.component.period), self.wiring.group_of(part.name)
+            for name in group.members if group else (part.name,):
+                if group is None or part.name == group.members[0]:
+                    ops += self._injections(name, driven=False)
+            if group is None:
+                ops.append(Op("write", part.name))
+            ops += self._stepped(Op("tick", part.name, 0, h))
             ops.append(Op("read", part.name))
             ops.append(Op("hold" if part.component.latency else "copy", part.name))
         for part, back in zip(self.continuous, backs, strict=True):
@@ -200,6 +215,18 @@ class Timetable:
                 ops.append(Op("row", name))
         done = [op for op in ops if self._does_something(op)]
         return tuple(followed for op in done for followed in self._followed(op))
+
+    def _stepped(self, op: Op) -> list[Op]:
+        """Return a step of a component, or that of its group if it is the first."""
+        group = self.wiring.group_of(op.target)
+        if group is None:
+            return [op]
+        of_all = op._replace(code="iterate", target=group.name)
+        return [of_all] if op.target == group.members[0] else []
+
+    @cached_property
+    def _speakers(self) -> frozenset[str]:
+        return frozenset(said.source for said in self.wiring.texts)
 
     @cached_property
     def _switches(self) -> dict[str, Fraction]:
@@ -223,15 +250,15 @@ class Timetable:
         ]
 
     def _does_something(self, op: Op) -> bool:
-        if op.code in ("row", "fault", "inject"):
+        if op.code in ("row", "fault", "inject", "iterate"):
             return True
         part = self.wiring.parts[op.target]
         if op.code == "write":
-            return bool(part.inputs)
+            return bool(part.inputs or part.heard)
         if op.code == "read":
             return bool(part.read)
         if op.code == "copy":
-            return bool(part.copies)
+            return bool(part.copies) or op.target in self._speakers
         return True
 
     def publications(self, injected: Injected) -> tuple[int, int]:

@@ -1,18 +1,18 @@
 """A system checked against its FMUs, its connections resolved.
 
-Refused here: unknown names, two sorts or units that do not fit, what is no
-input, a latency on a continuous component, parameters that are not numbers or
-cannot be set, steps an FMU does not take.
+Refused here: unknown names, two sorts or units that do not fit, what is no input;
+by ``asked`` what an FMU is not, by ``groups`` and ``texts`` what these cannot be.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from orchestrator.errors import ScheduleError, WiringError, did_you_mean
-from orchestrator.fmu.clocks import left_alone, unticked
+from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, connection, ports
 from orchestrator.fmu.typed import held
+from orchestrator.master.asked import experiment_notes, refuse_unfit
+from orchestrator.master.groups import groups_of
 from orchestrator.master.layout import (
     Column,
     Edge,
@@ -21,12 +21,9 @@ from orchestrator.master.layout import (
     Layout,
     Link,
     Wiring,
-    kind_of,
 )
-from orchestrator.system import Component, Fault, System, split_name
-from orchestrator.warned import warn
-
-ROUNDED = 1e-6  # of a step that an FMU writes as a decimal
+from orchestrator.master.texts import texts_of
+from orchestrator.system import Fault, System, split_name
 
 
 def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
@@ -36,10 +33,10 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         WiringError, ScheduleError: see the contract above.
     """
     for name, component in system.components.items():
-        _check_component(system, component, fmus[name])
+        refuse_unfit(system, component, fmus[name])
     links, notes, warnings = links_of(system, fmus)
     for name, component in system.components.items():
-        warnings += _experiment_notes(component, fmus[name])
+        warnings += experiment_notes(component, fmus[name])
     recorded = {
         name: _ports_of(system, fmus, name, f"record.{name!r}")
         for name in system.record
@@ -66,6 +63,8 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         for period in system.record[name]:
             columns = tables.setdefault(period, [])
             columns.extend(layout.column(port) for port in found)
+    faulty = tuple(_faulty(system, fmus, layout))
+    additions = tuple(_injected(system, layout, injected))
     return Wiring(
         system,
         parts,
@@ -74,8 +73,10 @@ def wire(system: System, fmus: Mapping[str, FmuDescription]) -> Wiring:
         layout.size,
         tuple(notes),
         tuple(dict.fromkeys(warnings)),
-        tuple(_faulty(system, fmus, layout)),
-        tuple(_injected(system, layout, injected)),
+        faulty,
+        additions,
+        tuple(groups_of(system, parts, faulty, additions)),
+        tuple(texts_of(system, links)),
     )
 
 
@@ -107,10 +108,16 @@ def _faulty(
         where = f"faults.{name!r}"
         for port in _ports_of(system, fmus, name, where):
             key = (port.component, port.variable.name)
+            if port.variable.is_text:
+                raise WiringError(
+                    f"{where}: {port.full_name} is {port.variable.kind}, and no fault "
+                    f"acts on texts; remove it"
+                )
             if port.whole is not None:
                 raise WiringError(
-                    f"{where}: {port.full_name} is rounded by its map, on which no "
-                    f"fault acts; put the fault before a component that rounds"
+                    f"{where}: {port.full_name} is rounded or looked up by its map, "
+                    f"on which no fault acts; put the fault before a component that "
+                    f"does it"
                 )
             edge = brought.get((*key, port.element))
             if edge is None:
@@ -177,99 +184,6 @@ def _refuse_override(
         raise WiringError(
             f"{where}: {port.full_name} is a 64-bit integer that a map scales, on "
             f"which no fault acts; remove the gain of the map"
-        )
-
-
-def _check_component(system: System, c: Component, fmu: FmuDescription) -> None:
-    where = f"components.{c.name}"
-    if not (fmu.co_simulation or fmu.model_exchange):
-        raise WiringError(
-            f"{where}: {fmu.path.name} is neither for co-simulation nor for model "
-            f"exchange; export it for one of these"
-        )
-    if fmu.clock is None and (why := unticked(fmu.clocks)):
-        raise WiringError(
-            f"{where}: {fmu.path.name} {why}: what depends on it would never be "
-            f"computed; export it without clocks"
-        )
-    if alone := left_alone(fmu.clocks):
-        warn(
-            f"{where}: {fmu.path.name} has the input clock {', '.join(alone)} but "
-            f"declares no event mode, so nothing ticks it; what depends on it is right "
-            f"only if the FMU ticks it itself"
-        )
-    if fmu.clock is not None and c.kind == "continuous":
-        raise WiringError(
-            f"{where}.kind: {fmu.path.name} is sampled by its clock, not continuous"
-        )
-    if c.kind and fmu.kind and c.kind != fmu.kind:
-        raise WiringError(f"{where}.kind: {fmu.path.name} is {fmu.kind}, not {c.kind}")
-    kind = kind_of(c, fmu)
-    if c.latency < 0 or (c.latency and kind == "continuous"):
-        raise WiringError(
-            f"{where}.latency = {c.latency}: a whole number of samples >= 0, and only "
-            f"on a sampled component (this one is {kind})"
-        )
-    if fmu.period and c.period != fmu.period:
-        raise ScheduleError(
-            f"{where}.step = {c.period} s, but {fmu.path.name} was built for a sample "
-            f"time of {fmu.period} s; build it again with --period {c.period}"
-        )
-    if c.split is not None and kind == "sampled":
-        raise WiringError(
-            f"{where}.split: a sampled component ticks, it has no step to split; "
-            f"remove it"
-        )
-    if kind == "sampled" or fmu.variable_step:
-        return
-    if c.split:
-        raise WiringError(
-            f"{where}.split = true: {fmu.path.name} only takes equal steps "
-            f"(canHandleVariableCommunicationStepSize is false); remove it"
-        )
-    _refuse_no_multiple(where, c, fmu)
-    if c.offset:
-        raise ScheduleError(
-            f"{where}.offset: {fmu.path.name} has a fixed step and cannot start with a "
-            f"step of {c.offset} s; set offset = 0"
-        )
-    if system.stop % c.period:
-        low = system.stop // c.period * c.period
-        raise ScheduleError(
-            f"stop = {system.stop} s: {c.name} ({fmu.path.name}) only takes steps of "
-            f"{c.period} s; the nearest stops are {low} and {low + c.period} s"
-        )
-
-
-def _refuse_no_multiple(where: str, c: Component, fmu: FmuDescription) -> None:
-    """FMI 3.0.2 section 4.2: steps are multiples of fixedInternalStepSize."""
-    if fmu.internal_step is None:
-        return
-    ratio = c.period / fmu.internal_step
-    if round(ratio) < 1 or abs(ratio - round(ratio)) > ROUNDED * ratio:
-        below = max(1, int(ratio)) * fmu.internal_step
-        raise ScheduleError(
-            f"{where}.step = {c.period} s: {fmu.path.name} steps by "
-            f"{float(fmu.internal_step):g} s inside (fixedInternalStepSize) and takes "
-            f"whole multiples of that only, such as {float(below):g} s; set step"
-        )
-
-
-def _experiment_notes(c: Component, fmu: FmuDescription) -> Iterator[str]:
-    """Yield what of an FMU's default experiment the component does otherwise."""
-    step = fmu.default_step
-    if step and not fmu.variable_step and fmu.kind is None:
-        ratio = float(c.period) / step
-        if round(ratio) < 1 or abs(ratio - round(ratio)) > ROUNDED * ratio:
-            yield (
-                f"components.{c.name}.step = {float(c.period):g} s is no multiple of "
-                f"{step:g} s, by which {fmu.path.name} steps as it says (equal steps "
-                f"only, DefaultExperiment stepSize); its results may lag"
-            )
-    if fmu.default_start:
-        yield (
-            f"{c.name}: the experiment of {fmu.path.name} starts at "
-            f"{fmu.default_start:g} s, here it starts at 0"
         )
 
 

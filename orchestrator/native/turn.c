@@ -37,7 +37,10 @@ uint32_t turn_number(const Turn *turn) {
 }
 
 static int wanted(Habit *habit) {
-    return habit->rest == 0 || habit->rest-- == 0;
+    if (!habit->rest)
+        return 1;
+    habit->rest--;
+    return 0;
 }
 
 static void worked(Habit *habit) {

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuVariable
 from orchestrator.fmu.start_values import Written
+from orchestrator.master.groups import only_python
 from orchestrator.master.layout import Column, Wiring
 from orchestrator.master.simulate import plan, simulate
 from orchestrator.peers.agreement import Rows, against
@@ -200,6 +201,8 @@ def _inputs(wiring: Wiring) -> dict[int, tuple[str, FmuVariable]]:
 def peer_job(wiring: Wiring) -> dict[str, Any]:
     """Return the system as ``peers/child.py`` wants it."""
     outputs, inputs, system = _outputs(wiring), _inputs(wiring), wiring.system
+    if why := only_python(wiring):
+        raise ScenarioError(f"{why}, which the other tools do not do")
     for part in wiring.parts.values():
         for copy in part.copies:
             if copy.whole is not None:

@@ -66,6 +66,7 @@ def passing(timetable: Timetable) -> Passing:
     edges = dict.fromkeys((e.source, e.sink) for e in timetable.wiring.edges)
     stamp: dict[tuple[str, str], int] = {}
     last: dict[tuple[str, str], int] = {}
+    members = {g.name: g.members for g in timetable.wiring.groups}
     lines = {n: deque[int]() for n, p in parts.items() if p.component.latency}
 
     def publish(name: str, k: int, stems: int) -> None:
@@ -76,10 +77,11 @@ def passing(timetable: Timetable) -> Passing:
     instants = takewhile(lambda one: one[0] <= shown.last, timetable.instants())
     for k, program in instants:
         for code, name, back, _ in program:
-            if code in ("advance", "tick"):
+            if code in ("advance", "tick", "iterate"):
                 begins = k - back
                 if begins >= shown.first:
-                    shown.steps.append(Step(name, begins, k))
+                    stepped = members.get(name, (name,))
+                    shown.steps += [Step(one, begins, k) for one in stepped]
             if code == "hold":
                 lines[name].append(k)
             if code == "release" and len(lines[name]) >= parts[name].component.latency:

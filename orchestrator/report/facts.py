@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription
 from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.whole import Listed
 from orchestrator.master.faults import describe
 from orchestrator.master.layout import kind_of
 from orchestrator.master.simulate import plan
@@ -186,6 +187,9 @@ def _map(component: Component, fmu: FmuDescription) -> str:
 
 def _kept(port: Port) -> str:
     """Return how a map keeps a whole number in its range."""
+    if isinstance(port.whole, Listed):
+        pairs = ", ".join(f"{one} → {other}" for one, other in port.whole.pairs)
+        return f", looked up: {pairs}"
     if port.whole is None:
         return ""
     law = {"saturate": "held at", "wrap": "counted on from"}[port.whole.law]

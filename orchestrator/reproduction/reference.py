@@ -22,6 +22,8 @@ and one source of our value (none only where out of reach)::
     call = "module:function"       key = "s_max"  arguments = { latency = 1 }
     formula = "100 * (1 - a / b)"  with = { a = "other.id", b = { scenario = ... } }
 
+A scenario may be run many times over: ``repeats``, see ``repeats.py``.
+
 What a design step of the run found is ``metric = "design.<step>.<name>"``.
 A called function returns a number or a mapping of numbers, in ``unit``.
 ``[[table]]`` writes many rows at once, see ``table.py``.
@@ -42,6 +44,7 @@ from pydantic import Field, ValidationError, model_validator
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.evaluation.schema import Strict
 from orchestrator.reproduction.published import Published, Statement
+from orchestrator.reproduction.repeats import Repeats
 from orchestrator.reproduction.table import Table, TableError, expand
 from orchestrator.scenario.complaints import complaints
 from orchestrator.scenario.reading import read_toml
@@ -56,6 +59,7 @@ class Source(Strict):
     scenario: str | None = None
     metric: str | None = None
     set: tuple[str, ...] = Field(default=(), strict=False)
+    repeats: Repeats | None = None
     call: str | None = None
     key: str | None = None
     arguments: dict[str, Any] = Field(default_factory=dict)
@@ -72,6 +76,8 @@ class Source(Strict):
             raise ValueError("has no source: give scenario, call or formula")
         if (self.scenario is None) != (self.metric is None):
             raise ValueError("scenario and metric are given together")
+        if self.repeats is not None and self.scenario is None:
+            raise ValueError("repeats belong to a scenario")
         return self
 
     def _may_lack_source(self) -> bool:

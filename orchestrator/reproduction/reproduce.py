@@ -74,7 +74,10 @@ def reproduce(
     needed = _needed(wanted, table)
     sources = [source for spec in needed for source in spec.sources()]
     jobs = dict.fromkeys(
-        _job(source, place) for source in sources if source.scenario is not None
+        job
+        for source in sources
+        if source.scenario is not None
+        for job in _jobs(source, place)
     )
     at_once = processes or (2 if len(jobs) > 4 else 1)
     changed = (f"--only {only}",) if isinstance(only, str) and only != "*" else ()
@@ -131,8 +134,12 @@ def _needed(
     return list(ordered.values())
 
 
-def _job(source: Source, folder: Path) -> Job:
-    return str(folder / f"{source.scenario}.toml"), source.set
+def _jobs(source: Source, folder: Path) -> list[Job]:
+    """Return the run of a source, or its repeats."""
+    file = str(folder / f"{source.scenario}.toml")
+    if source.repeats is None:
+        return [(file, source.set)]
+    return [(file, source.set + moved) for moved in source.repeats.sets()]
 
 
 def run_all(
@@ -203,11 +210,12 @@ def _value(
     values: Mapping[str, Quantity | None],
 ) -> Quantity | None:
     if source.scenario is not None and source.metric is not None:
-        figures = measured[_job(source, folder)]
-        if source.metric not in figures:
-            remedy = did_you_mean(source.metric, figures)
+        runs = [measured[job] for job in _jobs(source, folder)]
+        if source.metric not in runs[0]:
+            remedy = did_you_mean(source.metric, runs[0])
             raise ScenarioError(f"{source.scenario} has no {source.metric!r}; {remedy}")
-        return figures[source.metric].to(source.unit)
+        found = [figures[source.metric].to(source.unit) for figures in runs]
+        return found[0] if source.repeats is None else source.repeats.of(found)
     if source.call is not None:
         return Quantity(_called(source, source.call, called), source.unit)
     if source.formula is not None:

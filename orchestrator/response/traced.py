@@ -116,6 +116,10 @@ def _refuse_what_is_not_ours(composition: Composition, at: Bench) -> None:
                 f"no linearised equations beside it: {name} is {source}, whose "
                 f"equations are not known here"
             )
+    for name in composition.system.groups:
+        raise ResponseError(
+            f"no linearised equations beside it: groups.{name} is iterated"
+        )
     for name in composition.system.faults:
         raise ResponseError(f"no linearised equations beside it: {name} has faults")
 

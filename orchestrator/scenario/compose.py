@@ -42,6 +42,7 @@ from orchestrator.scenario.values import Part, Values
 from orchestrator.scenario.without_effect import without_effect
 from orchestrator.system import (
     Fault,
+    Iterated,
     System,
     Value,
 )
@@ -190,6 +191,11 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
         connections=connections,
         record=open_record(spec, components, fmus),
         faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
+        groups={
+            name: Iterated(group.components, group.tolerance)
+            for name, group in spec.groups.items()
+            if group.iterate
+        },
     )
     for note in without_effect(system, fmus):
         warn(note)

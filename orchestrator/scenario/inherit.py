@@ -6,7 +6,7 @@ from typing import Any
 from orchestrator.scenario.takeover import TABLES
 
 REMOVABLE = (
-    *("components", "connections", "faults", "design"),
+    *("components", "connections", "faults", "groups", "design"),
     *("record", "metrics", "responses", "expect"),
 )
 

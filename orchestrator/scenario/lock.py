@@ -59,6 +59,7 @@ def locked(composition: Composition) -> dict[str, Any]:
             name: [_plain(fault.model_dump(exclude_none=True)) for fault in faults]
             for name, faults in spec.faults.items()
         },
+        **_groups(composition),
         "record": {name: _plain(rows) for name, rows in system.record.items()},
         "metrics": _plain(metrics),
         "responses": {
@@ -85,6 +86,13 @@ def locked(composition: Composition) -> dict[str, Any]:
     }
 
 
+def _groups(composition: Composition) -> dict[str, Any]:
+    """Return the table of groups, nothing where there are none."""
+    groups = composition.scenario.spec.groups
+    said = {k: _plain(group.model_dump()) for k, group in groups.items()}
+    return {"groups": said} if said else {}
+
+
 def versions() -> dict[str, str]:
     """Return the versions of what computes: Python, platform and packages."""
     import importlib.util
@@ -107,7 +115,7 @@ def _component(component: Component) -> dict[str, Any]:
         "start": _plain(component.start),
         "map": {
             name: {
-                key: str(value) if key == "unit" else value
+                key: _of_map(key, value)
                 for key, value in vars(mapped).items()
                 if value is not None
             }
@@ -127,6 +135,12 @@ def _component(component: Component) -> dict[str, Any]:
     if component.interface == "model_exchange":
         written["interface"] = component.interface
     return {key: value for key, value in written.items() if value != {}}
+
+
+def _of_map(key: str, value: Any) -> Any:
+    if key == "table":
+        return {str(given): becomes for given, becomes in value}
+    return str(value) if key == "unit" else value
 
 
 def _isolation(isolation: Isolation) -> dict[str, Any]:

@@ -11,9 +11,9 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isfinite, pi
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from pydantic import field_validator
+from pydantic import Field, field_validator, model_validator
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError, WiringError
@@ -38,7 +38,8 @@ class MapSpec(Strict):
     """A foreign variable under our name: theirs, gain, offset, unit of our side.
 
     A ``value``, in our unit, is one of the component's parameters.  ``range`` rounds
-    into an integer input.
+    into an integer input; ``table`` says what an input of whole numbers gets for each
+    that it may be given.
     """
 
     name: str
@@ -46,6 +47,22 @@ class MapSpec(Strict):
     offset: float | None = None
     unit: str | None = None
     range: Range | None = None
+    table: dict[str, int] | None = Field(default=None, min_length=1)
+
+    @field_validator("table", mode="before")
+    @classmethod
+    def _whole_numbers(cls, value: Any) -> Any:
+        for key in value if isinstance(value, dict) else ():
+            if not re.fullmatch(r"-?\d+", key):
+                raise ValueError(f"{key!r}: a table lists whole numbers")
+        return value
+
+    @model_validator(mode="after")
+    def _table_alone(self) -> "MapSpec":
+        others = (self.gain, self.offset, self.unit, self.range)
+        if self.table is not None and others != (None,) * 4:
+            raise ValueError("a table stands alone: no gain, offset, unit or range")
+        return self
 
     @field_validator("gain")
     @classmethod
@@ -60,7 +77,10 @@ class MapSpec(Strict):
         """Return it as data; with a gain still to be worked out, only whose it is."""
         if isinstance(self.gain, str):
             return Mapped(self.name, range=self.range)
-        return Mapped(self.name, self.gain, self.offset, self.unit, self.range)
+        table = None
+        if self.table is not None:
+            table = tuple((int(k), v) for k, v in self.table.items())
+        return Mapped(self.name, self.gain, self.offset, self.unit, self.range, table)
 
 
 def with_gains(

@@ -6,6 +6,7 @@
     rates.name   stop   fmi
     faults.component.input.value  .samples  .window  .kind
     faults.component.input=false (leave it out)
+    groups.name.iterate  .tolerance
     design.name.argument   design.name.from_run   design.name=false (leave it out)
     metrics.name.key   metrics.name={...} (a new one)   metrics.name=false
     record.component.variable   connections.component.input   (false: leave it out)
@@ -26,10 +27,14 @@ from orchestrator.scenario.sockets import plugged
 from orchestrator.scenario.written import parse_setting
 from orchestrator.toml import read_toml_text, toml
 
-_TABLES = ("rates", "design", "faults", "metrics", "record", "connections")
+_TABLES = (
+    *("rates", "design", "faults", "groups"),
+    *("metrics", "record", "connections"),
+)
 OF_COMPONENT = ("step", "offset", "latency", "fmu", "kind", "split")
 _OF_DATA = ("data", "interpolation", "begin", "rate", "at_end")
 _OF_DESIGN = ("from_run", "call")
+_OF_GROUP = ("iterate", "tolerance")
 _OF_FAULT = ("kind", "value", "samples", "window")
 
 
@@ -55,6 +60,8 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
         _set_design(raw, text, rest, value)
     elif head == "faults" and rest:
         _set_fault(raw, text, rest, value)
+    elif head == "groups" and rest:
+        _set_group(raw, text, rest, value)
     elif head == "metrics" and rest:
         _set_metric(raw, text, rest, value)
     elif head in ("record", "connections") and rest:
@@ -190,6 +197,14 @@ def _set_fault(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
             f"fault, or faults.{name or rest}=false to leave them out"
         )
     faults[name][key] = value
+
+
+def _set_group(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
+    groups = raw.get("groups", {})
+    name, _, key = rest.partition(".")
+    _known(text, "group", name, groups)
+    _known(text, f"key of groups.{name}", key, _OF_GROUP)
+    groups[name][key] = value
 
 
 def _set_metric(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:

@@ -40,7 +40,7 @@ from orchestrator.system import FaultKind, split_name
 
 RESERVED = (
     *("stop", "fmi", "rates", "design", "base", "faults"),
-    *("metrics", "record", "connections"),
+    *("metrics", "record", "connections", "groups"),
 )
 
 
@@ -166,6 +166,16 @@ class ToleranceSpec(Strict):
         return self
 
 
+class GroupSpec(Strict):
+    """Components of one step; with ``iterate`` what passes between them is iterated
+    until it agrees, to ``tolerance`` of a number (or of 1).
+    """
+
+    components: tuple[str, ...] = Field(min_length=1, strict=False)
+    iterate: bool = False
+    tolerance: float = Field(default=1e-9, gt=0, lt=1)
+
+
 class Specification(Strict):
     """All a scenario says, after inheritance and overrides."""
 
@@ -177,6 +187,7 @@ class Specification(Strict):
     components: dict[str, ComponentSpec] = Field(min_length=1)
     connections: dict[str, Source] = Field(default_factory=dict)
     faults: dict[str, tuple[FaultSpec, ...]] = Field(default_factory=dict)
+    groups: dict[str, GroupSpec] = Field(default_factory=dict)
     design: dict[str, DesignSpec] = Field(default_factory=dict)
     record: dict[str, Rows] = Field(default_factory=dict)
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
@@ -237,6 +248,10 @@ class Specification(Strict):
                     raise ValueError(f'connections."{sink}": {end!r} has several *')
         for name in self.faults:
             self._variable(f'faults."{name}"', name)
+        for name, group in self.groups.items():
+            for one in group.components:
+                where = f"groups.{name}.components"
+                _one_of(where, "component", one, self.components)
         for name in self.record:
             self._variable(f'record."{name}"', name)
         for name, metric in self.metrics.items():

@@ -110,7 +110,7 @@ def _numbers(
         elif _match(pattern, name) is not None:
             warn(
                 f"{star!r} leaves out {component.name}.{name}, which is "
-                f"{variable.kind}: texts are set before a run and do not travel"
+                f"{variable.kind}: texts travel where a connection names both ends"
             )
     return found
 

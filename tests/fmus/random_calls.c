@@ -3,7 +3,9 @@
 
    random_calls CALLS SEED; linked with the sources, FMI defined as 2 or 3.
    Prints how many calls were made and how many returned OK.  Every array has
-   exactly the size it is said to have, so that a sanitizer sees a byte beyond. */
+   exactly the size it is said to have, so that a sanitizer sees a byte beyond.  Linked
+   with --wrap=malloc,--wrap=calloc and NO_MEMORY defined the FMU is denied memory now
+   and then. */
 #include "model.h"
 
 #if FMI == 2
@@ -47,8 +49,28 @@ static double number(void) {
     return rarely() ? wild[below(6)] : ((double)below(2001) - 1000.0) / 500.0;
 }
 
+#ifdef NO_MEMORY
+static int denies;
+void *__real_malloc(size_t), *__real_calloc(size_t, size_t);
+void *__wrap_malloc(size_t size) {
+    return denies && rarely() ? NULL : __real_malloc(size);
+}
+void *__wrap_calloc(size_t n, size_t size) {
+    return denies && rarely() ? NULL : __real_calloc(n, size);
+}
+#define malloc __real_malloc
+#else
+static int denies;
+#endif
+
 static void *array(size_t n, size_t size) {
     return rarely() ? NULL : malloc(n * size ? n * size : 1);
+}
+
+static const char *name_of_it(void) {
+    static char longest[2000];
+    memset(longest, 'n', sizeof longest - 1);
+    return !rarely() ? "it" : below(3) ? longest : below(2) ? "" : NULL;
 }
 
 static double *numbers(size_t n) {
@@ -101,6 +123,17 @@ static const Reference *chosen(void) {
     return copy;
 }
 
+/* Something to derive by, or of what there is a derivative; or another thing. */
+static Reference known(void) {
+    return rarely() ? below(M.size + 1)
+                    : below(2) ? M.u + below(M.n_u + 1) : M.x + below(M.n_x + 1);
+}
+static Reference unknown(void) {
+    return rarely() ? below(M.size + 1)
+                    : M.continuous && below(2) ? M.der_x + below(M.n_x + 1)
+                                               : M.y + below(M.n_y + 1);
+}
+
 static size_t some_states(void) {
     return rarely() ? below(9) : M.continuous ? M.n_x : (rarely() ? M.n_x : 0);
 }
@@ -128,7 +161,8 @@ static int exchange(Handle c, unsigned which) {
     case 3: status = F(GetContinuousStates)(c, x, n); break;
     case 4: status = F(GetNominalsOfContinuousStates)(c, x, n); break;
     case 5:
-        status = F(CompletedIntegratorStep)(c, 1, told, told ? told + 1 : NULL);
+        status = F(CompletedIntegratorStep)(c, 1, below(4) ? told : NULL,
+                                            told && below(4) ? told + 1 : NULL);
         break;
     default: status = DERIVATIVES(c, x, n);
     }
@@ -151,24 +185,29 @@ static int save(Handle c, unsigned which) {
         free(bytes);
         n_bytes = rarely() ? size - 1 : size;
         bytes = malloc(n_bytes);
-        status = WRITE(c, *state, bytes, n_bytes);
+        status = WRITE(rarely() ? NULL : c, rarely() ? NULL : *state,
+                       rarely() ? NULL : bytes, n_bytes);
         if (status)
             memset(bytes, 1, n_bytes);
         damage();
         return status;
     }
-    default: return READ(c, rarely() ? NULL : bytes, n_bytes, state);
+    default: return READ(c, rarely() ? NULL : bytes, n_bytes, rarely() ? NULL : state);
     }
 }
 
 static int call(unsigned i) {
     Handle c = pool[i].it;
     if (!c) {
-        pool[i].it = create(M.continuous && !M.advance && !M.n_delays && below(2));
+        int exchange = M.continuous && !M.advance && !M.n_delays;
+        pool[i].it = create(rarely() ? !exchange : exchange && below(2));
         pool[i].t = 0;
         return !pool[i].it;
     }
-    switch (below(16)) {
+    if (below(100) == 0)
+        c = NULL;
+    switch (below(17)) {
+    case 16: return derive(c);
     case 0:
     case 1: return begin(c, below(4));
     case 2: return F(ExitInitializationMode)(c);
@@ -182,8 +221,11 @@ static int call(unsigned i) {
     case 10: return ask(c, below(2));
     case 11:
         if (rarely()) {
-            static const char *const known[] = {"logAll", "nothing", NULL};
-            return F(SetDebugLogging)(c, below(2), below(4), rarely() ? NULL : known);
+            static const char *const names[][3] = {
+                {"logAll", "nothing", NULL}, {"logStatusError", "logAll", NULL},
+                {"logStatusWarning", "logStatusWarning", "logAll"}};
+            return F(SetDebugLogging)(c, below(2), below(4),
+                                      rarely() ? NULL : names[below(3)]);
         }
         if (below(4))
             return begin(c, 1);
@@ -192,7 +234,7 @@ static int call(unsigned i) {
         if (below(8))
             return transfer(c, 13);
         F(FreeInstance)(c);
-        pool[i].it = NULL;
+        pool[i].it = c ? NULL : pool[i].it;
         return 0;
     default: {
         const double h = length(), t = rarely() ? number() : pool[i].t;
@@ -206,14 +248,50 @@ static int call(unsigned i) {
     }
 }
 
+#if FMI == 2
+/* Fill a delay line beyond its end, and lengthen one that holds something. */
+static void fill_lines(Handle c) {
+    Reference dead_time = M.delays[0].dead_time, input = M.delays[0].input;
+    int full = 0, lengthened = 0;
+    for (int longer = 0; longer < 2; longer++) {
+        double t = 0, tau = 1e-3;
+        fine += F(Reset)(c) + fmi2SetupExperiment(c, 0, 0, 0, 0, 0);
+        fmi2SetReal(c, &dead_time, 1, &tau);
+        F(EnterInitializationMode)(c);
+        F(ExitInitializationMode)(c);
+        for (int k = 0; k < 100000 && !full; k++, t += 1e-9) {
+            double u = k % 2;
+            fmi2SetReal(c, &input, 1, &u);
+            full = longer ? k == 5 : fmi2DoStep(c, t, 1e-9, 1) != 0;
+            fine += longer && !fmi2DoStep(c, t, 1e-9, 1);
+        }
+        tau = 1;
+        lengthened = !fmi2SetReal(c, &dead_time, 1, &tau);
+        full = !longer && !full ? 2 : 0;
+    }
+    if (full || !lengthened) {
+        fprintf(stderr, "a delay line that is filled: %d %d\n", full, lengthened);
+        exit(1);
+    }
+}
+#else
+static void fill_lines(Handle c) {
+    (void)c;
+}
+#endif
+
 int main(int argc, char **argv) {
     const long calls = argc > 1 ? atol(argv[1]) : 1000;
     seed = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
+    denies = 1;
     for (long k = 0; k < calls; k++)
         fine += call(below(MANY)) == 0;
+    denies = 0;
     Handle last = create(0);
     while (!last)
         last = create(0);
+    if (M.n_delays)
+        fill_lines(last);
     for (unsigned i = 0; i < MANY; i++) {
         FREE_STATE(last, states + i);
         F(FreeInstance)(pool[i].it);

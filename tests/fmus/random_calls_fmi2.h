@@ -10,10 +10,12 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String instanc
 
 static Handle create(int exchange) {
     static const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, NULL};
-    return fmi2Instantiate(rarely() ? NULL : "it",
+    static const fmi2CallbackFunctions silent = {NULL, NULL, NULL, NULL, NULL};
+    return fmi2Instantiate(name_of_it(),
                            exchange ? fmi2ModelExchange : fmi2CoSimulation,
-                           rarely() ? "other" : M.token, NULL,
-                           rarely() ? NULL : &callbacks, 0, below(2));
+                           !rarely() ? M.token : below(2) ? "other" : NULL, NULL,
+                           !rarely() ? &callbacks : below(2) ? &silent : NULL, 0,
+                           below(2));
 }
 
 static int begin(Handle c, unsigned which) {
@@ -60,11 +62,32 @@ static int step(Handle c, double t, double h) {
 
 static int ask(Handle c, unsigned which) {
     double *time = array(1, sizeof *time);
-    int *ended = array(1, sizeof *ended), status;
-    status = which ? fmi2GetRealStatus(c, fmi2LastSuccessfulTime, time)
-                   : fmi2GetBooleanStatus(c, fmi2Terminated, ended);
+    int *ended = array(1, sizeof *ended), status, other = rarely();
+    if (rarely())
+        status = fmi2GetEventIndicators(c, time, below(2));
+    else
+        status = which ? fmi2GetRealStatus(c, other ? fmi2Terminated
+                                                    : fmi2LastSuccessfulTime, time)
+                       : fmi2GetBooleanStatus(c, other ? fmi2PendingStatus
+                                                       : fmi2Terminated, ended);
     free(time);
     free(ended);
+    return status;
+}
+
+static int derive(Handle c) {
+    size_t n = below(3), m = below(3);
+    Reference *of = array(n, sizeof *of), *by = array(m, sizeof *by);
+    double *found = numbers(n), *seed = numbers(m);
+    for (size_t i = 0; of && i < n; i++)
+        of[i] = unknown();
+    for (size_t i = 0; by && i < m; i++)
+        by[i] = known();
+    int status = fmi2GetDirectionalDerivative(c, of, n, by, m, seed, found);
+    free(of);
+    free(by);
+    free(found);
+    free(seed);
     return status;
 }
 #define GET_STATE fmi2GetFMUstate

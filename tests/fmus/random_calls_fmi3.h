@@ -6,8 +6,12 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status,
 }
 
 static Handle create(int exchange) {
-    const char *name = rarely() ? NULL : "it", *token = rarely() ? "other" : M.token;
+    const char *name = name_of_it();
+    const char *token = !rarely() ? M.token : below(2) ? "other" : NULL;
     fmi3LogMessageCallback log = rarely() ? NULL : log_message;
+    if (below(200) == 0)
+        return fmi3InstantiateScheduledExecution(name, token, NULL, 0, 0, NULL, log,
+                                                 NULL, NULL, NULL);
     if (exchange)
         return fmi3InstantiateModelExchange(name, token, NULL, 0, below(2), NULL, log);
     return fmi3InstantiateCoSimulation(name, token, NULL, 0, below(2), below(2), 0, NULL,
@@ -35,8 +39,11 @@ static int begin(Handle c, unsigned which) {
         Truth *told = array(5, sizeof *told);
         int status = rarely()
                          ? fmi3UpdateDiscreteStates(c, NULL, NULL, NULL, NULL, NULL, NULL)
-                     : told ? fmi3UpdateDiscreteStates(c, told, told + 1, told + 2,
-                                                       told + 3, told + 4, NULL)
+                     : told ? fmi3UpdateDiscreteStates(
+                                  c, told, rarely() ? NULL : told + 1,
+                                  rarely() ? NULL : told + 2,
+                                  rarely() ? NULL : told + 3,
+                                  rarely() ? NULL : told + 4, NULL)
                             : fmi3EnterStepMode(c);
         free(told);
         return status;
@@ -56,7 +63,7 @@ static int transfer(Handle c, unsigned which) {
         truths[i] = below(2) != 0;
     for (size_t i = 0; clocks && i < n_references; i++)
         clocks[i] = below(2) != 0;
-    if (which > 2 && which < 7 && vr && n_references && below(2))
+    if (((which > 2 && which < 7) || which == 9 || which == 10) && vr && n_references && below(2))
         vr[0] = M.size; /* the clock, where there is one */
     switch (which) {
     case 0: status = fmi3SetFloat64(c, vr, n_references, values, n_values); break;
@@ -71,6 +78,8 @@ static int transfer(Handle c, unsigned which) {
         status = fmi3GetIntervalFraction(c, vr, n_references, counters, counters,
                                          qualifiers);
         break;
+    case 9: status = fmi3GetShiftDecimal(c, vr, n_references, intervals); break;
+    case 10: status = fmi3GetShiftFraction(c, vr, n_references, counters, counters); break;
     case 7: status = fmi3GetInt32(c, vr, n_references, NULL, n_values); break;
     case 8: status = fmi3SetBinary(c, vr, n_references, NULL, NULL, n_values); break;
     default: status = fmi3GetFloat64(c, vr, n_references, values, n_values);
@@ -97,6 +106,24 @@ static int ask(Handle c, unsigned which) {
     int status = which ? fmi3GetEventIndicators(c, values, below(2))
                        : fmi3EnterConfigurationMode(c);
     free(values);
+    return status;
+}
+
+static int derive(Handle c) {
+    size_t n = below(3), m = below(3), spare = rarely() ? below(3) : 0;
+    Reference *of = array(n, sizeof *of), *by = array(m, sizeof *by);
+    double *found = numbers(n + spare), *seed = numbers(m + spare);
+    for (size_t i = 0; of && i < n; i++)
+        of[i] = unknown();
+    for (size_t i = 0; by && i < m; i++)
+        by[i] = known();
+    int status = below(2) ? fmi3GetDirectionalDerivative(c, of, n, by, m, seed,
+                                                         m + spare, found, n + spare)
+                          : fmi3GetAdjointDerivative(c, of, n, by, m, found, n, seed, m);
+    free(of);
+    free(by);
+    free(found);
+    free(seed);
     return status;
 }
 #define GET_STATE fmi3GetFMUState

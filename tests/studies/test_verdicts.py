@@ -121,6 +121,20 @@ PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
         ("App. A.3", "N.m"): (6, 0.35091),
         ("Fig. 4-2", "Hz"): (1, 220),
         ("Sec. 7.1", "%"): (1, 10),
+        # printed above, held against runs of other procedures
+        ("Sec. 3.1.4, by bisection", "A.s/mm"): (2, 4.8),
+        ("Table 2-1, by bisection", "A.s/mm"): (1, 2.4),
+        ("Fig. 3-6, by bisection", "1"): (6, 6),
+        ("Sec. 7.2, by bisection", "%"): (1, 16),
+        ("Sec. 7.3, by bisection", "%"): (1, 6),
+        ("App. A.3, one pulse", "mm"): (9, 221.010705),
+        ("Sec. 3.3, 4.5", "%"): (4, 75),
+        ("Sec. 4.4, by a sweep", "Hz"): (1, 215),
+        ("Sec. 4.4, by a pulse", "Hz"): (1, 215),
+        ("Sec. 4.4, by a pulse", "nm"): (1, 290),
+        ("Table 6-7, 50 repeats", "nm"): (6, 33.6),
+        ("Tables 5-2 and 5-3, 50 repeats", "s"): (8, 0.175739),
+        ("Tables 5-2 and 5-3, 50 repeats", "%"): (4, 0.84),
     },
 }
 COMPUTED = {

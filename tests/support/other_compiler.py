@@ -1,7 +1,9 @@
 """A plugin (``pytest -p other_compiler``): all our C is compiled by gcc.
 
 OTHER_FLAGS is what it takes besides: sanitizers, or what counts branches.  Sources and
-what the compiler leaves beside them stay in folders below OTHER_KEPT.
+what the compiler leaves beside them stay in folders below OTHER_KEPT.  Lanes have
+vectors that gcc does not know: zig compiles them, and with "undefined" in OTHER_FLAGS
+what is undefined ends the process (SIGILL).
 """
 
 import os
@@ -15,6 +17,8 @@ from typing import Any
 from fmus import compile as compiling
 
 OF_ZIG = ("-mcpu=baseline", "-fno-sanitize=undefined", "-g0", "-s", "-O2", "-std=c99")
+OF_ZIG += ("-fno-slp-vectorize",)
+TRAPS = ("-fsanitize=undefined", "-fsanitize-trap=undefined")
 
 ZIG = compiling._zig_cc
 
@@ -34,8 +38,9 @@ def cc(target: Any, arguments: Sequence[str], folder: Path) -> None:
     flags = ["-fPIC", "-g", "-w", "-std=gnu11", *os.environ["OTHER_FLAGS"].split()]
     command = ["gcc", *flags, *kept]
     done = subprocess.run(command, cwd=place, capture_output=True, text=True)
-    if done.returncode:  # lanes have vectors that gcc does not know
-        return ZIG(target, arguments, folder)
+    if done.returncode:
+        traps = TRAPS if "undefined" in os.environ["OTHER_FLAGS"] else ()
+        return ZIG(target, [*arguments, *traps], folder)
     shutil.copyfile(place / name, folder / name)
 
 

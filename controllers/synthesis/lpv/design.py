@@ -9,14 +9,8 @@ from controllers.synthesis.lpv.coordinates import Coordinates
 from controllers.synthesis.lpv.elimination import NoSolution, eliminate
 from controllers.synthesis.lpv.fourier import Fourier, angles, fitted
 from controllers.synthesis.lpv.frozen import balanced, frozen_optima, of_control
-from controllers.synthesis.lpv.inequalities import (
-    Storage,
-    coupling,
-    gain_of_loop,
-    gain_of_x,
-    gain_of_y,
-    storage,
-)
+from controllers.synthesis.lpv.inequalities import Storage, gain_of_loop, storage
+from controllers.synthesis.lpv.kept import kept_gain
 from controllers.synthesis.lpv.problem import Found, Point, Problem, Region, Values
 from controllers.synthesis.lpv.reconstruction import controller
 from controllers.synthesis.lpv.systems import (
@@ -134,11 +128,11 @@ def verify(design: Design, dense: tuple[tuple[Point, ...], ...]) -> Verdict:
         zip(problem.regions, design.best, design.used, design.tables, strict=True)
     )
     gamma = max(
-        _gain(design, region, best, region.points, problem.decay)
+        kept_gain(problem, design.units, region, best, region.points, problem.decay)
         for region, best, _, _ in rows
     )
     checked = [
-        _gain(design, region, used, points, 0.0)
+        kept_gain(problem, design.units, region, used, points)
         for (region, _, used, _), points in zip(rows, dense, strict=True)
     ]
     loops = [
@@ -175,29 +169,6 @@ def _built(
     plant = units.plant(problem.plant(rho))
     Y = found.at(region.basis.values(rho))
     return units.controller(controller(plant, found.X, Y, found.gamma))
-
-
-def _gain(
-    design: Design,
-    region: Region,
-    found: Found,
-    points: tuple[Point, ...],
-    decay: float,
-) -> float:
-    units, worst = design.units, 0.0
-    decay = decay * units.time
-    for point in points:
-        plant = units.plant(design.problem.plant(point.rho))
-        Y = found.at(region.basis.values(point.rho))
-        # at the optimum [X I; I Y] is singular: a solver's rounding is no refusal
-        rounding = max(1e-6, 1e-9 * float(np.trace(found.X) + np.trace(Y)))
-        if coupling(found.X, Y) < -rounding:
-            return float("inf")
-        worst = max(worst, gain_of_x(plant, found.X, decay))
-        for rate in point.rates:
-            moving = found.at(units.time * region.basis.slopes(point.rho, rate))
-            worst = max(worst, gain_of_y(plant, Y, moving, decay))
-    return worst
 
 
 def _loop_gain(

@@ -16,8 +16,12 @@ import numpy as np
 
 from controllers.synthesis.lpv.coordinates import Coordinates
 from controllers.synthesis.lpv.inequalities import null_x, null_y
+from controllers.synthesis.lpv.kept import kept_gain
 from controllers.synthesis.lpv.problem import Found, Problem
 from controllers.synthesis.lpv.systems import GeneralisedPlant, Matrix
+
+# of γ: at the optimum itself a solver's rounding may leave what keeps nothing
+SLACKS = (1e-5, 1e-4, 1e-3)
 
 
 class NoSolution(ValueError):
@@ -43,13 +47,33 @@ def eliminate(
         cp, cp.Minimize(gamma), unknowns.inequalities(gamma, 1.0), solver, **options
     )
     smallest = float(gamma.value)
-    best = unknowns.found(smallest)
+    found = best = unknowns.found(smallest)
+    for slack in SLACKS:
+        if _kept(problem, units, best):
+            break
+        best = tuple(scaled(1 + slack, one) for one in found)
 
     t, used = cp.Variable(), problem.back_off * smallest
     constraints = [*unknowns.inequalities(used, t), t >= 1]
     goal = cp.Maximize(t - problem.price * unknowns.traces())
     minimise(cp, goal, constraints, solver, **options)
     return best, unknowns.found(used)
+
+
+def _kept(problem: Problem, units: Coordinates, found: tuple[Found, ...]) -> bool:
+    return all(
+        kept_gain(problem, units, region, one, region.points, problem.decay) < np.inf
+        for region, one in zip(problem.regions, found, strict=True)
+    )
+
+
+def scaled(s: float, found: Found) -> Found:
+    """Return sX and sY, which keep sγ where X and Y keep γ, for s > 1.
+
+    s (XA + A'X) + s²/(sγ) XBB'X + C'C/(sγ) ≤ s (XA + A'X + XBB'X/γ + C'C/γ) < 0,
+    of Y alike; [sX I; I sY] lies farther inside.
+    """
+    return Found(s * found.gamma, s * found.X, s * found.Y)
 
 
 def solver_package() -> Any:

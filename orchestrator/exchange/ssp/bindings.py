@@ -12,7 +12,13 @@ from fmus.unit_names import BASE
 from fmus.units import BaseUnit, UnitError
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.package import inside
-from orchestrator.exchange.ssp.records import Binding, Given, Linear, Mapped
+from orchestrator.exchange.ssp.records import (
+    Binding,
+    Given,
+    Looked,
+    Mapped,
+    Transformation,
+)
 from orchestrator.exchange.ssp.xml import NAMESPACES, local
 from orchestrator.quantities.unit import Unit, unit_of_fmu
 
@@ -133,7 +139,7 @@ class Bindings:
                 continue
             told = f"{where}: {source} -> {target}"
             yield Mapped(
-                source, target, linear(one, told, self.faults), suppresses(one)
+                source, target, transformation(one, told, self.faults), suppresses(one)
             )
         if empty:
             self.notes.append(
@@ -142,7 +148,9 @@ class Bindings:
             )
 
 
-def linear(element: Any, where: str, faults: list[str]) -> Linear | None:
+def transformation(
+    element: Any, where: str, faults: list[str]
+) -> Transformation | None:
     """Return the transformation of a connection or of an entry of a mapping."""
     for child in element:
         kind = local(child)
@@ -151,8 +159,14 @@ def linear(element: Any, where: str, faults: list[str]) -> Linear | None:
             if all(map(_is_number, words)):
                 return words
             faults.append(f"{where}: {' and '.join(words)} are no numbers")
+        elif kind.endswith("MappingTransformation"):
+            listed = (e for e in child if local(e) == "MapEntry")
+            pairs = tuple((e.get("source", ""), e.get("target", "")) for e in listed)
+            if len({source for source, _ in pairs}) < len(pairs) or not pairs:
+                faults.append(f"{where}: {kind} maps a value twice, or none")
+            return Looked(kind.removesuffix("MappingTransformation"), pairs)
         elif kind.endswith("Transformation"):
-            faults.append(f"{where}: {kind} is not carried out; let a component do it")
+            faults.append(f"{where}: {kind} is none of SSP's; remove it")
     return None
 
 

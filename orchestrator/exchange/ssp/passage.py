@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from fmus.units import UnitError
 from orchestrator.errors import ScenarioError
-from orchestrator.exchange.ssp.records import Linear
+from orchestrator.exchange.ssp.records import Looked, Transformation
 from orchestrator.fmu.ports import Affine
 from orchestrator.quantities.unit import UndefinedUnit, Unit, conversion
 
@@ -21,14 +21,19 @@ class Hop:
     """One connection or mapping: the unit at its end, what it says of numbers."""
 
     unit: Unit | None
-    linear: Linear | None
+    how: Transformation | None
     suppress: bool
     where: str
 
 
-def transformation(linear: Linear | None) -> Affine:
+def _affine(hop: Hop) -> Affine:
     """Return a transformation as numbers."""
-    return NOTHING if linear is None else Affine(*map(float, linear))
+    if isinstance(hop.how, Looked):
+        raise ScenarioError(
+            f"{hop.where}: maps single values on a way that has units or other "
+            f"transformations, or leads to a parameter; map where the value is said"
+        )
+    return NOTHING if hop.how is None else Affine(*map(float, hop.how))
 
 
 def passed(unit: Unit | None, hops: Iterable[Hop]) -> tuple[Affine, bool]:
@@ -40,7 +45,7 @@ def passed(unit: Unit | None, hops: Iterable[Hop]) -> tuple[Affine, bool]:
     whole, plain = NOTHING, True
     for hop in hops:
         convert = NOTHING if hop.suppress else _converted(unit, hop.unit, hop.where)
-        linear = transformation(hop.linear)
+        linear = _affine(hop)
         shifts = convert.offset or linear.offset
         if convert.converts and linear.converts and shifts:
             raise ScenarioError(

@@ -4,7 +4,7 @@ What cannot be run is collected and named at once; only a file that is no such
 document ends the reading.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,13 @@ from zipfile import is_zipfile
 
 from lxml import etree
 
+from fmus.units import BaseUnit
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.bindings import (
     Bindings,
-    linear,
     parse,
     suppresses,
+    transformation,
     unit_definitions,
     unit_named,
 )
@@ -28,11 +29,13 @@ from orchestrator.exchange.ssp.records import (
     End,
     Nested,
     Part,
+    Reference,
     Structure,
     Timing,
 )
 from orchestrator.exchange.ssp.xml import FMU_TYPE, NAMESPACES, OURS, local
 from orchestrator.quantities.quantity import exact
+from orchestrator.quantities.unit import Unit
 
 _STEPS = {  # elements of annotations that say a step, and the attribute that does
     "FixedStepMaster": "stepSize",  # OMSimulator, the earlier OSP
@@ -127,7 +130,7 @@ class _Reader:
     def system(self, element: Any, path: tuple[str, ...], step: str | None) -> Nested:
         step = self._step(element) or step
         where = "/".join(path) or element.get("name", "")
-        elements: dict[str, Part | Nested] = {}
+        elements: dict[str, Part | Nested | Reference] = {}
         for child in element.iterfind("ssd:Elements/*", NAMESPACES):
             name, kind = child.get("name", ""), local(child)
             if not kind:
@@ -140,10 +143,9 @@ class _Reader:
             elif kind == "Component":
                 elements[name] = self.component(child, place, step)
             else:
-                self.faults.append(
-                    f"{'/'.join(place)}: is a {kind}, and signal dictionaries are not "
-                    f"carried out; connect the elements directly"
-                )
+                about = child.get("dictionary", "")
+                connectors = self.connectors(child, "/".join(place))
+                elements[name] = Reference(name, about, connectors)
         connections = element.iterfind("ssd:Connections/ssd:Connection", NAMESPACES)
         return Nested(
             element.get("name", ""),
@@ -153,24 +155,42 @@ class _Reader:
             tuple(self.connection(one, where) for one in connections),
             step,
             element.get("description", ""),
+            self.dictionaries(element, where),
         )
+
+    def dictionaries(self, element: Any, where: str) -> dict[str, dict[str, Connector]]:
+        """Return the signals of each dictionary of a system."""
+        found: dict[str, dict[str, Connector]] = {}
+        path = "ssd:SignalDictionaries/ssd:SignalDictionary"
+        for one in element.iterfind(path, NAMESPACES):
+            name = one.get("name", "")
+            held = next((c for c in one if local(c) == "SignalDictionary"), None)
+            try:
+                document = self.bindings.content(one, held, "SignalDictionary", None)
+                if name in found or document is None:
+                    raise ScenarioError(
+                        "is there twice" if name in found else "is empty"
+                    )
+            except ScenarioError as error:
+                self.faults.append(f"{where}: signal dictionary {name}: {error}")
+                continue
+            units = {**self.units, **unit_definitions(document)}
+            found[name] = {
+                entry.get("name", ""): Connector(
+                    entry.get("name", ""), "inout", *typed(entry, units)
+                )
+                for entry in document
+                if local(entry) == "DictionaryEntry"
+            }
+        return found
 
     def connectors(self, element: Any, where: str) -> dict[str, Connector]:
         found: dict[str, Connector] = {}
         for one in element.iterfind("ssd:Connectors/ssd:Connector", NAMESPACES):
-            name, kind, type_, unit = one.get("name", ""), one.get("kind", ""), "", None
-            for child in one:
-                if isinstance(child.tag, str) and (
-                    etree.QName(child).namespace == NAMESPACES["ssc"]
-                    and local(child) not in ("Dimension", "Annotations")
-                ):
-                    type_, unit = (
-                        local(child),
-                        unit_named(child.get("unit"), self.units),
-                    )
+            name, kind = one.get("name", ""), one.get("kind", "")
             if name in found:
                 self.faults.append(f"{where}: two connectors have the name {name!r}")
-            found[name] = Connector(name, kind, type_, unit)
+            found[name] = Connector(name, kind, *typed(one, self.units))
         return found
 
     def component(
@@ -219,6 +239,7 @@ class _Reader:
             system.connections,
             system.step,
             element.get("description", "") or system.description,
+            system.dictionaries,
         )
 
     def referred(
@@ -256,8 +277,20 @@ class _Reader:
                 f"{told}: connects elements of arrays, of which SSP does not say from "
                 f"which number it counts them"
             )
-        how = linear(element, told, self.faults)
+        how = transformation(element, told, self.faults)
         return Connection(start, end, how, suppresses(element), told)
+
+
+def typed(element: Any, units: Mapping[str, BaseUnit]) -> tuple[str, Unit | None]:
+    """Return the type and unit that an element has inside, "" and None if none."""
+    found: tuple[str, Unit | None] = "", None
+    for child in element:
+        if isinstance(child.tag, str) and (
+            etree.QName(child).namespace == NAMESPACES["ssc"]
+            and local(child) not in ("Dimension", "Annotations")
+        ):
+            found = local(child), unit_named(child.get("unit"), units)
+    return found
 
 
 def _told(end: End) -> str:

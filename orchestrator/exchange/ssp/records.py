@@ -14,6 +14,17 @@ Linear: TypeAlias = tuple[str, str]  # factor and offset, as they are written
 
 
 @dataclass(frozen=True)
+class Looked:
+    """A mapping of single values of a ``type``: Boolean, Integer or Enumeration."""
+
+    type: str
+    pairs: tuple[tuple[str, str], ...]
+
+
+Transformation: TypeAlias = Linear | Looked
+
+
+@dataclass(frozen=True)
 class Connector:
     """A connector; ``type`` is "" and ``unit`` None where the file says nothing."""
 
@@ -39,7 +50,7 @@ class Mapped:
 
     source: str
     target: str
-    linear: Linear | None = None
+    how: Transformation | None = None
     suppress: bool = False
 
 
@@ -66,7 +77,7 @@ class Connection:
 
     start: End
     end: End
-    linear: Linear | None
+    how: Transformation | None
     suppress: bool
     where: str
 
@@ -85,16 +96,29 @@ class Part:
 
 
 @dataclass(frozen=True)
+class Reference:
+    """A place in a system at which the signals of a dictionary are reached."""
+
+    name: str
+    dictionary: str
+    connectors: Mapping[str, Connector]
+
+
+@dataclass(frozen=True)
 class Nested:
-    """A system; ``step`` (s) is that of its master where an annotation says one."""
+    """A system; ``step`` (s) is that of its master where an annotation says one.
+
+    ``dictionaries`` are the signals of each, which all references to it share.
+    """
 
     name: str
     connectors: Mapping[str, Connector]
     bindings: tuple[Binding, ...]
-    elements: "Mapping[str, Part | Nested]"
+    elements: "Mapping[str, Part | Nested | Reference]"
     connections: tuple[Connection, ...]
     step: str | None
     description: str = ""
+    dictionaries: Mapping[str, Mapping[str, Connector]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

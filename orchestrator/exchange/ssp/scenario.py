@@ -12,11 +12,12 @@ from pathlib import Path as File
 from typing import Any
 
 from orchestrator.errors import FeedDriveError, ScenarioError
-from orchestrator.exchange.ssp.flat import Edge, Flat, Node, Path, flatten
+from orchestrator.exchange.ssp.flat import Edge, Flat, Node, Path, flatten, unfed
+from orchestrator.exchange.ssp.looked import table_of
 from orchestrator.exchange.ssp.names import names_of
 from orchestrator.exchange.ssp.passage import passed
-from orchestrator.exchange.ssp.records import Structure
-from orchestrator.exchange.ssp.setting import Setting, Settings
+from orchestrator.exchange.ssp.records import Looked, Structure
+from orchestrator.exchange.ssp.setting import Settings, regrouped
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.ports import Affine, connection, ports
 from orchestrator.fmu.start_values import declared
@@ -24,6 +25,10 @@ from orchestrator.quantities.quantity import exact
 from orchestrator.system import Component, Mapped, Value
 
 _KEPT = ("answer_within", "memory_limit", "experiment")  # of what SSP has no words for
+EDITED = (
+    "was edited since it was exported, and its numbers are no more those of our "
+    "annotation; remove the annotation org.feeddrive.timing, or the edit"
+)
 CLOSE = 1e-12  # by which two ways to convert may differ, relative
 
 
@@ -38,7 +43,7 @@ class Tables:
         self.structure, self.rest = structure, rest
         self.flat: Flat = flatten(structure.system)
         self.faults = [*structure.faults, *self.flat.faults]
-        self.notes = list(structure.notes)
+        self.notes = [*structure.notes, *unfed(self.flat)]
         self.lacking: dict[str, str] = {}
         self.fmus: dict[Path, FmuDescription] = {}
         for path, part in self.flat.parts.items():
@@ -75,7 +80,7 @@ class Tables:
             if any(not fmu.variables[name].is_text for name in fmu.outputs)
         }
         made["record"] = self.rest.get("record", outputs)
-        for key in ("faults", "metrics", "expect"):
+        for key in ("faults", "groups", "metrics", "expect"):
             if self.rest.get(key):
                 made[key] = self.rest[key]
         return made
@@ -159,7 +164,12 @@ class Tables:
         of_part = self.rest.get("components", {}).get(self.names[path], {})
         return {
             ours: Mapped(
-                *(entry.get(key) for key in ("name", "gain", "offset", "unit"))
+                entry["name"],
+                entry.get("gain"),
+                entry.get("offset"),
+                entry.get("unit"),
+                table=tuple((int(k), v) for k, v in entry.get("table", {}).items())
+                or None,
             )
             for ours, entry in of_part.get("map", {}).items()
         }
@@ -167,6 +177,10 @@ class Tables:
     def _connect(self, sink: Node, way: list[Edge]) -> None:
         """Find the map of an input by which its one connection passes exactly."""
         source = way[0].source
+        hows = [e.written.how for e in way if e.written.how is not None]
+        if len(hows) == 1 and isinstance(hows[0], Looked):
+            self._look_up(source, sink, hows[0])
+            return
         unit = self.settings.unit(source)
         wanted, plain = passed(unit, self.settings.hops(way))
         maps = {one[0]: self._own_map(one[0]) for one in (sink, source)}
@@ -178,11 +192,7 @@ class Tables:
             if plain or has_maps:
                 raise
         if has_maps:
-            raise ScenarioError(
-                "was edited since it was exported, and its numbers are no more those "
-                "of our annotation; remove the annotation org.feeddrive.timing, or the "
-                "edit"
-            )
+            raise ScenarioError(EDITED)
         entry: dict[str, Any] = {
             "name": sink[1],
             "gain": wanted.gain,
@@ -198,6 +208,20 @@ class Tables:
                 f"{self.fmus[sink[0]].variables[sink[1]].unit} cannot be passed with "
                 f"the transformation that is written"
             )
+        self.maps.setdefault(sink[0], {})[sink[1]] = entry
+
+    def _look_up(self, source: Node, sink: Node, how: Looked) -> None:
+        """Give an input the table that the one transformation on its way is."""
+        there, here = (self.fmus[path].variables[name] for path, name in (source, sink))
+        pairs = table_of(how, there, here)
+        for mapped in self._own_map(sink[0]).values():
+            if mapped.name == sink[1]:
+                if mapped.table != pairs:
+                    raise ScenarioError(EDITED)
+                return
+        entry = {"name": sink[1], "table": {str(one): other for one, other in pairs}}
+        trial = Mapped(sink[1], table=pairs)
+        self._affine(source, sink, {sink[0]: {sink[1]: trial}})
         self.maps.setdefault(sink[0], {})[sink[1]] = entry
 
     def _affine(
@@ -253,7 +277,7 @@ class Tables:
         made: dict[str, dict[str, Any]] = {"parameters": {}, "start": {}}
         for table, names in order.items():
             for ours in names:
-                if (value := _regrouped(part, fmu, ours, settings)) is not None:
+                if (value := regrouped(part, fmu, ours, settings)) is not None:
                     made[table][ours] = value
         for variable, setting in settings.items():
             is_parameter = fmu.variables[variable].causality in (
@@ -312,29 +336,3 @@ def _same(one: Affine, other: Affine) -> bool:
         abs(one.gain - other.gain) <= CLOSE * abs(one.gain)
         and abs(one.offset - other.offset) <= CLOSE * scale
     )
-
-
-def _regrouped(
-    part: Component, fmu: FmuDescription, ours: str, settings: dict[str, Setting]
-) -> Value | None:
-    """Take the value of one of our names out of settings by the FMU's names."""
-    try:
-        found = ports(part, fmu, ours)
-    except FeedDriveError:
-        return None
-    names = [port.variable.name for port in found]
-    if any(name not in settings for name in names):
-        return None
-    first = settings[names[0]]
-    if len(found) == 1 and first.mapped and first.mapped.source == ours:
-        del settings[names[0]]
-        return float(first.given.words[0])
-    if any(port.to_theirs.converts for port in found):
-        return None
-    values: list[Any] = []
-    for port in found:
-        value = settings[port.variable.name].value
-        values.append(value[port.element] if isinstance(value, tuple) else value)
-    for name in dict.fromkeys(names):
-        del settings[name]
-    return tuple(values) if len(values) > 1 else values[0]

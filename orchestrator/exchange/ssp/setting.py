@@ -6,15 +6,17 @@ one.  A name that fits nothing sets nothing, as SSP has it; it is noted.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.exchange.ssp.flat import Edge, Flat, Node, Path
+from orchestrator.exchange.ssp.looked import looked_up
 from orchestrator.exchange.ssp.passage import Hop, passed
-from orchestrator.exchange.ssp.records import Binding, Given, Mapped
+from orchestrator.exchange.ssp.records import Binding, Given, Looked, Mapped
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-from orchestrator.fmu.ports import Affine
+from orchestrator.fmu.ports import Affine, ports
 from orchestrator.quantities.unit import Unit
-from orchestrator.system import Scalar, Value
+from orchestrator.system import Component, Scalar, Value
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,10 @@ class Settings:
         hops = []
         if mapped:
             where = f"{mapped.source} -> {mapped.target}"
-            hops = [Hop(unit, mapped.linear, mapped.suppress, where)]
+            how = mapped.how
+            if isinstance(how, Looked):
+                given, how = looked_up(given, how), None
+            hops = [Hop(unit, how, mapped.suppress, where)]
         elif given.unit is not None:
             hops = [Hop(unit, None, False, given.name)]
         hops += list(self.hops(way))
@@ -111,7 +116,7 @@ class Settings:
         for edge in way:
             written = edge.written
             yield Hop(
-                self.unit(edge.sink), written.linear, written.suppress, written.where
+                self.unit(edge.sink), written.how, written.suppress, written.where
             )
 
     def unit(self, node: tuple[Path, str]) -> Unit | None:
@@ -234,3 +239,29 @@ def _scalar(word: str, given: Given, variable: FmuVariable, affine: Affine) -> S
             raise ScenarioError(f"{wrong}: {number} is no whole number")
         return int(number)
     return float(number)
+
+
+def regrouped(
+    part: Component, fmu: FmuDescription, ours: str, settings: dict[str, Setting]
+) -> Value | None:
+    """Take the value of one of our names out of settings by the FMU's names."""
+    try:
+        found = ports(part, fmu, ours)
+    except FeedDriveError:
+        return None
+    names = [port.variable.name for port in found]
+    if any(name not in settings for name in names):
+        return None
+    first = settings[names[0]]
+    if len(found) == 1 and first.mapped and first.mapped.source == ours:
+        del settings[names[0]]
+        return float(first.given.words[0])
+    if any(port.to_theirs.converts for port in found):
+        return None
+    values: list[Any] = []
+    for port in found:
+        value = settings[port.variable.name].value
+        values.append(value[port.element] if isinstance(value, tuple) else value)
+    for name in dict.fromkeys(names):
+        del settings[name]
+    return tuple(values) if len(values) > 1 else values[0]

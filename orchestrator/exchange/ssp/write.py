@@ -24,6 +24,7 @@ from typing import Any, cast, get_args
 from fmus.archive import write_archive
 from orchestrator.errors import ScenarioError
 from orchestrator.exchange.ssp.beside import kept
+from orchestrator.exchange.ssp.looked import words_of
 from orchestrator.exchange.ssp.platforms import fmu_for
 from orchestrator.exchange.ssp.values import (
     connector_type,
@@ -45,6 +46,7 @@ from orchestrator.exchange.ssp.xml import (
 )
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.whole import Listed, Whole
 from orchestrator.master.layout import Link
 from orchestrator.master.wiring import links_of
 from orchestrator.quantities.quantity import time_text
@@ -132,6 +134,8 @@ class _Package:
 
         tables = locked(self.composition)
         rest: dict[str, Any] = {key: tables[key] for key in _OF_REST}
+        if "groups" in tables:
+            rest["groups"] = tables["groups"]
         rest["components"] = {}
         for name, table in tables["components"].items():
             kept = {k: v for k, v in table.items() if k not in _IN_SSD}
@@ -171,7 +175,7 @@ class _Package:
         """Return what of each component is connected or recorded, in FMU's order."""
         shown: dict[str, set[str]] = {name: set() for name in self.system.components}
         for source, sink, _ in self.links:
-            if sink.whole is not None:
+            if isinstance(sink.whole, Whole):
                 raise ScenarioError(
                     f"{source.full_name} -> {sink.full_name}: is rounded into a range, "
                     f"for which SSP has no words; let a component do it"
@@ -314,9 +318,23 @@ def _connect(connections: Any, group: Sequence[Link]) -> None:
         made = add(connections, "ssd:Connection", **ends)
         if affine.converts or _renamed_unit(source, sink):
             made.set("suppressUnitConversion", "true")
+        if isinstance(sink.whole, Listed):
+            _mapping(made, source, sink, sink.whole)
         if affine.converts:
             factor, offset = repr(affine.gain), repr(affine.offset)
             add(made, "ssc:LinearTransformation", factor=factor, offset=offset)
+
+
+def _mapping(connection: Any, source: Port, sink: Port, listed: Listed) -> None:
+    try:
+        how = words_of(source.variable, sink.variable, listed.pairs)
+    except ScenarioError as error:
+        raise ScenarioError(
+            f"{source.full_name} -> {sink.full_name}: {error}"
+        ) from None
+    made = add(connection, f"ssc:{how.type}MappingTransformation")
+    for one, other in how.pairs:
+        add(made, "ssc:MapEntry", source=one, target=other)
 
 
 def _renamed_unit(source: Port, sink: Port) -> bool:

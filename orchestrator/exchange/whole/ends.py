@@ -21,9 +21,17 @@ class Ends:
     """
 
     def __init__(
-        self, source: WholeSource, starts: Starts, inputs: Sequence[str]
+        self,
+        source: WholeSource,
+        starts: Starts,
+        inputs: Sequence[str],
+        *,
+        clocked: bool,
     ) -> None:
         self._source, self._starts, self._inputs = source, starts, inputs
+        self._late = "read an outer step late"
+        if clocked:
+            self._late += ", but at once by the clock of FMI 3"
         self._parts = source.wiring.parts
 
     def outside(self) -> list[Outside]:
@@ -90,11 +98,7 @@ class Ends:
         if port.variable.causality != "input" or more:
             raise ScenarioError(f"--inputs {full}: is no single input of {component}")
         late = kind_of(part.component, part.fmu) == "sampled"
-        when = (
-            "read an outer step late, but at once by the clock of FMI 3"
-            if late
-            else "acts from the step it is set"
-        )
+        when = self._late if late else "acts from the step it is set"
         number = self._source.parts.index(component)
         if component in self._source.foreign:
             place = self._source.foreign[component].slot(port.variable.name)

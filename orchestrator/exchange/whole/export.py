@@ -10,7 +10,8 @@ one an outer step later: its tick at the end of a step sees what was set before 
 step.  The description says of each input which it is.  In event mode (FMI 3) sampled
 components wait for the clock at the end of a step, and nothing is late.
 
-FMUs of others are carried along in ``resources`` and called, without FMU states.
+FMUs of others are carried along in ``resources`` and called; their states are part of
+the whole's where all of them serialise theirs, else there are none.
 Refused in words: those that are sampled, for model exchange or to be isolated, Python
 FMUs, whole numbers of 64 bits.
 """
@@ -37,11 +38,17 @@ from fmus.trust import is_trusted
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.exchange.whole.describe import Told, describe, page
 from orchestrator.exchange.whole.ends import Ends
-from orchestrator.exchange.whole.foreign import WholeSource, carried, foreign_parts
+from orchestrator.exchange.whole.foreign import (
+    WholeSource,
+    carried,
+    foreign_parts,
+    states_of,
+)
 from orchestrator.exchange.whole.model import model_table
 from orchestrator.exchange.whole.tables import Halves, Tables, base_values
 from orchestrator.master.fused.executor import fusible
 from orchestrator.master.fused.library import FAULTS, HEADERS
+from orchestrator.master.groups import only_python
 from orchestrator.master.layout import kind_of
 from orchestrator.master.schedule import Stretch, rational_gcd
 from orchestrator.master.simulate import plan
@@ -70,8 +77,12 @@ def export_whole(
     outputs: Sequence[str] = (),
     platforms: Sequence[str] = (),
     fmi: Fmi = 2,
+    *,
+    clock: bool = True,
 ) -> Path:
     """Write a composition as one FMU; without ``outputs`` it has what is recorded.
+
+    Without ``clock`` FMI 3 is as late as FMI 2, for tools that know no clocks.
 
     Raises:
         ScenarioError: something of it cannot be compiled in, or there is no such
@@ -80,8 +91,13 @@ def export_whole(
     """
     system = _endless(composition, inputs, outputs)
     timetable = plan(system)
+    if why := only_python(timetable.wiring):
+        raise ScenarioError(
+            f"{why}, which no exported FMU does; only `run` does, by the executor "
+            f"python"
+        )
     timetable = Timetable(replace(timetable.wiring, injected=()))
-    whole = _Whole(composition, timetable, inputs)
+    whole = _Whole(composition, timetable, inputs, clocked=clock)
     contents = whole.contents(fmi, tuple(platforms) or (host_platform(),))
     target.parent.mkdir(parents=True, exist_ok=True)
     return write_archive(target, contents)
@@ -122,9 +138,15 @@ def _endless(
 
 class _Whole:
     def __init__(
-        self, composition: Composition, timetable: Timetable, inputs: Sequence[str]
+        self,
+        composition: Composition,
+        timetable: Timetable,
+        inputs: Sequence[str],
+        *,
+        clocked: bool,
     ) -> None:
         self.composition, self.timetable = composition, timetable
+        self.clocked = clocked
         wiring = timetable.wiring
         found, whys = fusible(wiring.parts)
         ends: dict[str, set[str]] = {}
@@ -140,20 +162,27 @@ class _Whole:
                 source.programs.setdefault(program, len(source.programs))
         starts = {n: base_values(own) for n, own in source.own.items()}
         starts |= {n: one.starts() for n, one in source.foreign.items()}
-        outside = Ends(source, starts, inputs).outside()
+        outside = Ends(source, starts, inputs, clocked=clocked).outside()
         self.tables = Tables(source, stretches, starts, outside)
 
     def contents(self, fmi: Fmi, platforms: Sequence[str]) -> dict[str, bytes]:
         """Return the files of the FMU by name."""
         adapters = adapter_sources()
-        without = "snapshot.c" if self.foreign else "snapshot_absent.c"
-        taken = {n for n in adapters if n not in (*ADAPTER, without)}
+        without = {"snapshot_absent.c", "snapshot_foreign.c"}
+        if self.foreign:
+            has = states_of(self.foreign)
+            used = "snapshot_foreign.c" if has else "snapshot_absent.c"
+            without = (without | {"snapshot.c"}) - {used}
+        snapshot = adapters["snapshot.c"]
+        taken = {n for n in adapters if n not in (*ADAPTER, *without)}
         adapters = {n: adapters[n] for n in sorted(taken)}
         text = "\n".join([QUIET, self.tables.source.text(), self.tables.text()])
         own = {file.name: file for file in (*HEADERS.glob("*.h"), FAULTS)}
         native = NATIVE.glob("*.[ch]")
-        own |= {file.name: file for file in native if file.name != without}
+        own |= {file.name: file for file in native if file.name not in without}
         sources = {name: own[name].read_text(encoding="utf-8") for name in sorted(own)}
+        if "snapshot_foreign.c" in sources:
+            sources["snapshot_own.h"] = snapshot
         described = [describe(self._told(), version, "") for version in (2, 3)]
         whole = sha256(b"".join(described) + text.encode())
         for name, code in sorted((sources | adapters).items()):
@@ -182,6 +211,8 @@ class _Whole:
     @property
     def clock(self) -> Fraction | None:
         """The base period (s) of the sampled components, if there are any."""
+        if not self.clocked:
+            return None
         sampled = [
             part.component
             for part in self.timetable.wiring.parts.values()
@@ -193,7 +224,7 @@ class _Whole:
     def _told(self) -> Told:
         size = len(self.tables.outside) + len(self.tables.source.parts) + 2
         parts = (self.composition, self.identifier, self.tables.outside, size)
-        return Told(*parts, self.clock, not self.foreign)
+        return Told(*parts, self.clock, states_of(self.foreign))
 
     def _kind(self, fmi: Fmi) -> bytes:
         """Return what our own master reads, and the standard has no attribute for."""

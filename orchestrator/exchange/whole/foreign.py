@@ -146,6 +146,11 @@ def _unfit(part: Part, why: str) -> str | None:
     return None
 
 
+def states_of(found: Mapping[str, Foreign]) -> bool:
+    """Tell whether the states of all can be got, written down and set."""
+    return all(one.part.fmu.saves_state for one in found.values())
+
+
 def carried(found: Mapping[str, Foreign], platforms: Sequence[str]) -> dict[str, bytes]:
     """Return the files of the foreign FMUs, for some platforms.
 
@@ -187,7 +192,10 @@ class WholeSource(Source):
     def _models(self) -> Iterator[str]:
         yield f"#define N_FOREIGN {len(self.foreign)}"
         if self.foreign:
+            states = states_of(self.foreign)
+            yield f"#define FOREIGN_STATES {int(states)}"
             yield '#include "foreign.h"'
+            yield '#include "foreign_states.h"'
             for one in self.foreign.values():
                 yield from _table(one)
             heads = [_head(one) for one in self.foreign.values()]

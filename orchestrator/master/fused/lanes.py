@@ -27,6 +27,7 @@ from orchestrator.master.fused.library import load
 from orchestrator.master.fused.memory import Memory, aligned
 from orchestrator.master.fused.own import Own
 from orchestrator.master.fused.source import Source
+from orchestrator.master.groups import refuse_unless_python
 from orchestrator.master.layout import Column, Part
 from orchestrator.master.member import Values, part_with
 from orchestrator.master.timetable import Timetable, table_name
@@ -63,6 +64,7 @@ class Lanes:
     ) -> None:
         self._timetable, self.width = timetable, width
         wiring = timetable.wiring
+        refuse_unless_python(wiring, "lanes")
         found, whys = fusible(wiring.parts)
         if whys:
             raise SimulationError(

@@ -10,6 +10,7 @@
 enum { SUBSTITUTING, BEGINNING, COLUMN_BY_COLUMN, STEPPING_THERE, DONE, FAILED };
 enum { NEWTON_ROUNDS = 50, HALVINGS = 20 };
 static const double circle_tolerance = 1e-12, circle_shift = 0x1p-26;
+static const double circle_noise = 0x1p-20;
 
 typedef struct {
     int phase, round, column, halvings;
@@ -47,31 +48,40 @@ static void circle_ask_step(Circle *c) {
     c->share = c->share / 2;
 }
 
-static void circle_turn(Circle *c, int a, int b) {
+static void circle_turn(double (*rows)[CIRCLE + 1], int a, int b) {
     for (int j = 0; j <= CIRCLE; j++) {
-        double kept = c->rows[a][j];
-        c->rows[a][j] = c->rows[b][j];
-        c->rows[b][j] = kept;
+        double kept = rows[a][j];
+        rows[a][j] = rows[b][j];
+        rows[b][j] = kept;
     }
 }
 
-/* Returns 0 if the equations are singular. */
+/* Returns 0 if the equations are singular: what is left of larger numbers that cancel
+   is noise, and no pivot. */
 static int circle_solve(Circle *c) {
-    double(*a)[CIRCLE + 1] = c->rows;
-    for (int i = 0; i < CIRCLE; i++)
+    double(*a)[CIRCLE + 1] = c->rows, sizes[CIRCLE][CIRCLE + 1];
+    for (int i = 0; i < CIRCLE; i++) {
         a[i][CIRCLE] = -c->off[i];
+        for (int j = 0; j <= CIRCLE; j++)
+            sizes[i][j] = i == j && fabs(a[i][j]) < 1 ? 1 : fabs(a[i][j]);
+    }
     for (int k = 0; k < CIRCLE; k++) {
         int pivot = k;
         for (int i = k + 1; i < CIRCLE; i++)
             if (fabs(a[i][k]) > fabs(a[pivot][k]))
                 pivot = i;
-        circle_turn(c, k, pivot);
-        if (!(fabs(a[k][k]) > 0 && fabs(a[k][k]) < INFINITY))
+        circle_turn(a, k, pivot);
+        circle_turn(sizes, k, pivot);
+        if (!(fabs(a[k][k]) > circle_noise * sizes[k][k] && fabs(a[k][k]) < INFINITY))
             return 0;
         for (int i = k + 1; i < CIRCLE; i++) {
             double share = a[i][k] / a[k][k];
-            for (int j = k; j <= CIRCLE; j++)
-                a[i][j] = a[i][j] - share * a[k][j];
+            for (int j = k; j <= CIRCLE; j++) {
+                double taken = share * a[k][j];
+                a[i][j] = a[i][j] - taken;
+                if (fabs(taken) > sizes[i][j])
+                    sizes[i][j] = fabs(taken);
+            }
         }
     }
     for (int i = CIRCLE - 1; i >= 0; i--) {

@@ -49,18 +49,6 @@ def test_a_band_goes_from_the_least_to_the_largest_of_the_members(study: Path) -
     assert bands(study)[0].low == low.low
 
 
-def test_repeats_take_a_seed_each_and_have_a_mean_and_a_deviation(study: Path) -> None:
-    text = BAND[: BAND.index("unknown")] + 'repeats = ["rope.d_0"]\n'
-    (study / "bands.toml").write_text(text)
-    low, *_ = bands(study)
-    # the pull stands for a seed: members 1, 2, 3, 4
-    assert (low.low, low.high, low.mean) == pytest.approx((1, 4, 2.5))
-    assert low.deviation == pytest.approx(1.290994, rel=1e-6)
-    (study / "bands.toml").write_text(BAND + 'repeats = ["rope.d_0"]\n')
-    with pytest.raises(ScenarioError, match="unknown, or repeats"):
-        read_bands(study)
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

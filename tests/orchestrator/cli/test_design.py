@@ -85,3 +85,17 @@ def test_all_drives_with_shipped_designs_are_found() -> None:
     assert {"ball_screw_lpv.k_track", "ball_screw_lpv.k_vib"} <= set(found)
     for design in found.values():
         assert design.folder.is_dir()
+
+
+@pytest.mark.parametrize("gamma", [float("inf"), float("nan")])
+def test_a_design_that_keeps_no_bound_is_refused_and_not_written(
+    gamma: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At an optimum a solver's rounding may leave matrices that certify nothing."""
+    made = {"k.json": json.dumps({**NEW, "design": {"gamma": gamma}})}
+    design = Shipped("drive.k", tmp_path, lambda: made)
+    monkeypatch.setattr(redesign, "shipped_designs", lambda: {"drive.k": design})
+    result = CliRunner().invoke(app, ["design", "drive.k", "--write"])
+    assert result.exit_code != 0
+    assert "keeps no bound" in result.output
+    assert not (tmp_path / "k.json").exists()

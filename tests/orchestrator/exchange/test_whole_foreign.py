@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coupled import coupled
 from third_party import fmus_in
 from walking import RUNNERS, Walk, place_of, walks
-from wholes import SMALL, THREE_RATES, composed, exported
+from wholes import SMALL, THREE_RATES, Slave, composed, exported
 
 from fmus.build import build
 from fmus.compile import PLATFORMS, host_platform
@@ -47,11 +48,58 @@ def test_rows_are_those_of_the_run(fmi: Fmi, tmp_path: Path) -> None:
     done = run(scenario, tmp_path / "run", report=False)
     for name, values in zip(whole.outputs, found, strict=True):
         np.testing.assert_array_equal(values, done[name].values)
-    with pytest.raises(Exception, match="fmi2GetFMUstate"):
-        whole.fmu.getFMUState()
     whole.fmu.reset()
     whole.begin(**{"late.T": 0.004})
     np.testing.assert_array_equal(np.array(whole.rows(STEP, 100)).T, found[:, :101])
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_state_with_theirs_inside_is_taken_back_and_goes_on_elsewhere(
+    fmi: Fmi, tmp_path: Path
+) -> None:
+    """In this instance, and as bytes in one that was never initialised."""
+    text = THREE_RATES.replace(LATE, f'fmu = "{theirs(tmp_path, "late", fmi)}"')
+    whole = exported(text, tmp_path, fmi=fmi)
+    assert whole.description.coSimulation.canSerializeFMUstate
+    whole.begin(**{"late.T": 0.004})
+    whole.rows(STEP, 500)
+    word = "state" if fmi == 2 else "State"
+    names = [f"{verb}FMU{word}" for verb in ("get", "set", "free", "serialize")]
+    take, put, drop, write = (getattr(whole.fmu, name) for name in names)
+    of_bytes = "deSerializeFMUstate" if fmi == 2 else "deserializeFMUState"
+    read = getattr(whole.fmu, of_bytes)
+    state = take()
+    bytes_ = write(state)
+    first = whole.rows(STEP, 900, 500)
+    put(state)
+    assert whole.rows(STEP, 900, 500) == first
+    drop(state)
+    put(read(bytes_))
+    assert whole.rows(STEP, 900, 500) == first
+    other = Slave(tmp_path / "whole.fmu", tmp_path / "other")
+    back = getattr(other.fmu, of_bytes)(bytes_)
+    getattr(other.fmu, names[1])(back)
+    assert other.rows(STEP, 900, 500) == first
+    damaged = bytearray(bytes_)
+    damaged[-9] ^= 1
+    with pytest.raises(Exception, match=r"(?i)deserialize"):
+        getattr(other.fmu, of_bytes)(bytes(damaged))
+
+
+def test_where_one_inside_has_no_states_none_are_offered(tmp_path: Path) -> None:
+    text = f"""
+stop = "1/10"
+[components.one]
+fmu = "{coupled(2, tmp_path)}"
+step = "1/1000"
+[record]
+"one.y" = true
+"""
+    whole = exported(text, tmp_path)
+    assert not whole.description.coSimulation.canGetAndSetFMUstate
+    whole.begin()
+    with pytest.raises(Exception, match="fmi2GetFMUstate"):
+        whole.fmu.getFMUstate()
 
 
 def test_compositions_nest(tmp_path: Path) -> None:

@@ -69,12 +69,13 @@ ENDS = {"inputs": ["pi.y"], "outputs": ["pi.u"]}
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two FMUs of the part inside, two.fmu and three.fmu."""
+    """FMUs of the part inside: two.fmu, three.fmu, and plain.fmu without a clock."""
     folder = tmp_path_factory.mktemp("inside")
     (folder / "inside.toml").write_text(INSIDE + ALONE)
     inside = composed(folder / "inside.toml")
     export_whole(inside, folder / "two.fmu", **ENDS)
     export_whole(inside, folder / "three.fmu", fmi=3, **ENDS)
+    export_whole(inside, folder / "plain.fmu", fmi=3, clock=False, **ENDS)
     return folder
 
 
@@ -85,10 +86,14 @@ def rows(folder: Path, text: str) -> dict[str, np.ndarray]:
     return {name: np.array(done[name].values) for name in ("plant.y",)}
 
 
-def test_a_loop_closed_outside_is_one_sample_late(folder: Path, tmp_path: Path) -> None:
-    """Any master that steps both and exchanges: one sample on the way back, no more."""
+@pytest.mark.parametrize("name", ["two", "three", "plain"])
+def test_a_loop_closed_outside_is_one_sample_late(
+    folder: Path, tmp_path: Path, name: str
+) -> None:
+    """Any master that steps both and exchanges, and ticks no clock: one sample on the
+    way back, no more."""
     late = rows(tmp_path, INSIDE + HOLD + PLANT_OUTSIDE + LATE)["plant.y"]
-    inside = Slave(folder / "two.fmu", tmp_path / "inside")
+    inside = Slave(folder / f"{name}.fmu", tmp_path / "inside")
     plant = Slave(build(str(PLANT)), tmp_path / "plant")
     plant.begin(**{"state.x": 1.0})
     inside.begin(**{"pi.y": 1.0})
@@ -121,10 +126,19 @@ step = "1/2000"
     assert described.dependencies == {"pi.u": frozenset({"pi.y"})}
 
 
+def test_without_its_clock_it_says_that_it_is_late(folder: Path) -> None:
+    described = read_fmu(folder / "plain.fmu")
+    assert not described.clocks
+    assert described.clock is None
+    told = described["pi.y"].description
+    assert told.endswith("(read an outer step late)")
+    assert "by the clock" in read_fmu(folder / "three.fmu")["pi.y"].description
+
+
 def test_the_check_finds_nothing(folder: Path, request: pytest.FixtureRequest) -> None:
     names = ["three.fmu"]
     if request.config.getoption("--every-form"):
-        names.append("two.fmu")
+        names += ["two.fmu", "plain.fmu"]
     for name in names:
         assert_fmu_conforms(folder / name)
 

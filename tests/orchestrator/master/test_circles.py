@@ -118,6 +118,16 @@ def test_newtons_method_has_the_same_bits_in_python_and_in_c(machine: Any) -> No
             assert np.all(np.abs(off) <= 1e-11 * np.maximum(1, np.abs(one)))
 
 
+def test_a_loop_of_gain_one_is_not_solved_far_away() -> None:
+    """z = 0.3 z + 0.7 z + 0.1 has no solution; rounding gives it a slope of 1e-9."""
+
+    def around(z: Sequence[float]) -> list[float]:
+        return [0.3 * z[0] + 0.7 * z[0] + 0.1]
+
+    for start in (0.37, 1.7, -5.3, 1e3):
+        assert newton(around, [start]) is None
+
+
 def circle(g: float, h: float) -> System:
     """z_a = x_a + g z_b and z_b = x_b + h z_a."""
     parts = [

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from systems import MODELS
+from tools import needed
 
 from fmus.build import build
 from fmus.native_source import adapter_sources, source_names
@@ -50,6 +51,21 @@ def test_1000_instances_leave_nothing_behind(model: str, tmp_path: Path) -> None
     done = subprocess.run([program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout == "1000 instances\n"
+
+
+@pytest.mark.parametrize("paths", ["kernel_paths", "channel_paths"])
+def test_every_way_through_kernel_and_channel_is_what_it_is_said_to_be(
+    paths: str, tmp_path: Path
+) -> None:
+    """Types, copies, faults, clocks, each failure of each call; turns of any end."""
+    needed("gcc")
+    program = tmp_path / "paths"
+    flags = ["-O1", "-g", "-std=gnu11", SANITIZERS, "-fno-sanitize-recover=all"]
+    source = HOST.with_name(f"{paths}.c")
+    command = ["gcc", *flags, str(source), "-lm", "-o", str(program)]
+    subprocess.run(command, check=True)
+    done = subprocess.run([program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "every way\n"), done.stderr[-2000:]
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="zig brings no sanitizers")

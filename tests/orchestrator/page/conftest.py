@@ -4,10 +4,10 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
-from browsed import Page, chromium, served
-from tools import needed
+from browsed import Page, served
 
 from orchestrator.supplied import PROJECT
 
@@ -25,13 +25,9 @@ def site(
 
 
 @pytest.fixture(scope="session")
-def browser(
-    site: SimpleNamespace, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Page]:
+def browser(site: SimpleNamespace, driver: Any) -> Iterator[Page]:
     """The page in headless Chromium."""
-    needed("chromium", "chromedriver")
-    with chromium(tmp_path_factory.mktemp("chromium")) as driver:
-        page = Page(driver, f"http://{site.host}/")
-        driver.get(site.address)
-        yield page
-        assert page.complaints() == []
+    page = Page(driver, f"http://{site.host}/")
+    driver.get(site.address)
+    yield page
+    assert page.complaints() == []

@@ -1,28 +1,14 @@
 """The page without a mouse and without eyes: axe finds nothing, keys reach all."""
 
-from pathlib import Path
-
 import pytest
+from axe import violations
 from browsed import Page
 from selenium.webdriver import Keys
 
-AXE = Path(__file__).parents[2] / "data" / "axe" / "axe.min.js"
-VIOLATIONS = """
-const found = await axe.run();
-return found.violations.map((v) => `${v.id}: ${v.nodes[0].html.slice(0, 200)}`);
-"""
 OPEN = """
 for (const one of document.querySelectorAll("main details")) one.open = true;
 return document.querySelectorAll("main details").length;
 """
-
-
-def violations(page: Page, scheme: str) -> list[str]:
-    media = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
-    page.driver.execute_script(AXE.read_text(encoding="utf-8"))
-    found: list[str] = page.js(VIOLATIONS)
-    return found
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])

@@ -256,10 +256,11 @@ static int foreign_step(Engine *e, const Foreign *f, int64_t k, double t, double
     const Loaded *l = (Loaded *)e->kernel + f->index;
     _Bool event = 0, ended = 0, early = 0;
     double reached = t + h;
+    int never = !FOREIGN_STATES; /* whether a step is never taken back */
     int done = fine(f->major == 2
-                        ? (int)CALL(l, fmi2DoStep, fmi2DoStepTYPE, t, h, fmi2True)
-                        : (int)CALL(l, fmi3DoStep, fmi3DoStepTYPE, t, h, 1, &event, &ended,
-                                    &early, &reached));
+                        ? (int)CALL(l, fmi2DoStep, fmi2DoStepTYPE, t, h, never)
+                        : (int)CALL(l, fmi3DoStep, fmi3DoStepTYPE, t, h, never, &event,
+                                    &ended, &early, &reached));
     return (done && !ended && !early) || stopped(e, NOT_FINITE_STEP, f->part, k);
 }
 

@@ -13,6 +13,18 @@ void whole_free(void *loaded) {
     for (int i = 0; i < N_FOREIGN; i++)
         foreign_free((Loaded *)loaded + i, foreign[i].major);
 }
+
+unsigned whole_foreign(void) {
+    return N_FOREIGN;
+}
+
+int whole_save(const void *loaded, unsigned i, unsigned char **bytes, size_t *size) {
+    return foreign_save(foreign + i, (const Loaded *)loaded + i, bytes, size);
+}
+
+int whole_load(void *loaded, unsigned i, const unsigned char *bytes, size_t size) {
+    return foreign_load(foreign + i, (Loaded *)loaded + i, bytes, size);
+}
 #else
 size_t whole_loaded(void) {
     return 0;

@@ -25,6 +25,12 @@ size_t whole_size(void);
 size_t whole_loaded(void);
 void whole_free(void *loaded);
 
+/* Their states, where there are any inside: bytes to be freed, none of one that is not
+   instantiated; 0 is returned if one refuses. */
+unsigned whole_foreign(void);
+int whole_save(const void *loaded, unsigned i, unsigned char **bytes, size_t *size);
+int whole_load(void *loaded, unsigned i, const unsigned char *bytes, size_t size);
+
 /* Initialise by the parameters, inputs and states among the values; then, and in what
    follows, 0 is returned if something fails. */
 int whole_start(double *memory, const double *values, void *loaded);

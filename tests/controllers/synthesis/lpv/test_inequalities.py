@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 
 from controllers.synthesis.lpv.design import design, lower_bound, verify
+from controllers.synthesis.lpv.elimination import scaled
 from controllers.synthesis.lpv.inequalities import (
     Storage,
+    coupling,
     gain_of_loop,
     gain_of_x,
     gain_of_y,
     least_gain,
     storage,
 )
+from controllers.synthesis.lpv.kept import kept_gain
 from controllers.synthesis.lpv.norm import peak
 from controllers.synthesis.lpv.problem import Problem, Region, affine, grid
 from controllers.synthesis.lpv.systems import GeneralisedPlant, System
@@ -82,6 +85,21 @@ def test_a_design_certifies_between_its_points_and_stays_above_frozen_plants() -
     # the table adds interpolation and sampling, little of both
     assert verdict.table[0] <= 1.02 * found.used[0].gamma
     assert verdict.difference < 1e-8
+
+
+def test_multiples_of_x_and_y_keep_as_many_times_the_gain_farther_inside() -> None:
+    """What makes a certificate of an optimum that a solver rounded past its edge."""
+    told = problem()
+    found = design(told)
+    best, units = found.best[0], found.units
+    region = told.regions[0]
+    for s in (1 + 1e-5, 1.1, 3.0):
+        more = scaled(s, best)
+        kept = kept_gain(told, units, region, more, region.points, told.decay)
+        assert kept <= s * best.gamma * (1 + 1e-6)
+        assert coupling(more.X, more.at(region.basis.values((1.0,)))) > coupling(
+            best.X, best.at(region.basis.values((1.0,)))
+        )
 
 
 def test_faster_parameters_cost_gain() -> None:

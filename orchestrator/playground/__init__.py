@@ -1,0 +1,1 @@
+"""Pages that carry out a composition in the browser, compiled to WebAssembly."""
