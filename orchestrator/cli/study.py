@@ -218,8 +218,7 @@ def _print_bands(bands: "list[Band]") -> None:
             f"{band.low:.4g}",
             f"{band.high:.4g}",
             band.unit,
-            "inside" if band.inside else "outside" if band.published else "",
-            "" if band.mean is None else f"{band.mean:.4g}, {band.deviation:.2g}",
+            "inside" if band.inside else "outside",
             f"{band.members}" + f" ({band.failed} failed)" * bool(band.failed),
         ]
         for band in bands
