@@ -223,17 +223,7 @@ def _print_bands(bands: "list[Band]") -> None:
         ]
         for band in bands
     ]
-    head = [
-        "figure",
-        "where",
-        ">published",
-        ">from",
-        ">to",
-        "unit",
-        "is",
-        "mean, deviation",
-        "members",
-    ]
+    head = ["figure", "where", ">published", ">from", ">to", "unit", "is", "members"]
     print_table(head, rows, "bands over what the source does not print")
     for text in dict.fromkeys(line for band in bands for line in band.over):
         echo(f"  {text}")
