@@ -47,7 +47,8 @@ def gather(folder: Path, modules: Iterable[str]) -> None:
         _write(folder / name.lower(), _links(ROOT / name, docs))
     _write(folder / "decisions" / "index.md", _decisions(docs / "decisions"))
     (folder / "reference").mkdir()
-    shutil.copy(docs / "site" / "extra.css", folder / "extra.css")
+    for name in ("extra.css", "access.js"):
+        shutil.copy(docs / "site" / name, folder / name)
     shutil.copy(docs / "site" / "python.md", folder / "reference" / "python.md")
     _write(folder / "reference" / "verbs.md", verbs_page())
     _write(folder / "reference" / "keys.md", keys_page())

@@ -106,7 +106,7 @@ def _variables(subject: Subject, kind: str) -> list[str]:
         return []
     return [
         f"## {title}\n",
-        "| | meaning | unit | start |",
+        "| name | meaning | unit | start |",
         "|---|---|---|---|",
         *rows,
         "",
@@ -124,7 +124,7 @@ def models_page(modules: dict[str, str]) -> str:
     for module, line in modules.items():
         above = module.rpartition(".")[0]
         if above != room:
-            parts += [f"\n## {above}\n", "| | |", "|---|---|"]
+            parts += [f"\n## {above}\n", "| model | what it is |", "|---|---|"]
             room = above
         parts.append(f"| [{module}]({module}.md) | {cell(line)} |")
     return "\n".join(parts) + "\n"
@@ -137,7 +137,9 @@ def verbs_page() -> str:
     for name, verb in sorted(group.commands.items()):  # type: ignore[attr-defined]
         parts.append(f"## {name}\n\n{html.escape(verb.help or '', quote=False)}\n")
         rows = [_option(p) for p in verb.params if p.name != "help"]
-        parts += ["| | | |", "|---|---|---|", *rows, ""] if rows else []
+        parts += (
+            ["| name | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
+        )
     return "\n".join(parts)
 
 

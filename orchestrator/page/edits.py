@@ -140,8 +140,9 @@ def remove(project: Project, document: Document, said: Said) -> None:
 def replace(project: Project, document: Document, said: Said) -> None:
     """Put ``fmu`` in the place of component ``name``, with the lines of ``map``.
 
-    Values of the scenario that the other FMU does not take are removed; the page
-    shows them before (``views.proposed``).
+    Values of the scenario that the other FMU does not take are removed, what designs
+    are told of its parameters without the other having them becomes ``numbers``; the
+    page shows both before (``views.propose``).
     """
     name = _text(said, "name")
     document.component(name)
@@ -155,6 +156,9 @@ def replace(project: Project, document: Document, said: Said) -> None:
         for table in ("parameters", "start"):
             with suppress(ScenarioError):  # it stands in the other one
                 document.drop(("components", name, table, own))
+    for one in said.get("numbers", ()):
+        argument = ("design", _text(one, "step"), "arguments", _text(one, "argument"))
+        document.put(argument, float(one["value"]))
 
 
 def remap(project: Project, document: Document, said: Said) -> None:

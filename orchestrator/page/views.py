@@ -20,6 +20,7 @@ from orchestrator.page.uploads import described, taken
 from orchestrator.page.work import Work, refusal
 from orchestrator.pictures.timetable import timetable_picture
 from orchestrator.pictures.wiring import wiring_picture
+from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.propose import lacking, proposal
 from orchestrator.scenario.reading import load_scenario, read_scenario
 from orchestrator.toml import read_toml_text
@@ -193,7 +194,8 @@ class Views:
             swapped.close()
         except FeedDriveError as error:
             why = str(error)
-        return {"map": text, "left": left, "error": why}
+        numbers = told_as_numbers(kept, name, {*swap["map"], *theirs.variables})
+        return {"map": text, "left": left, "numbers": numbers, "error": why}
 
     def _owned(self, said: Mapping[str, Any]) -> Any:
         file = self._project.scenario(str(said.get("scenario", "")))
@@ -204,6 +206,28 @@ class Views:
     def _changed(self) -> Any:
         self._work.shelf.clear()
         return {}
+
+
+def told_as_numbers(
+    kept: Composition, name: str, known: set[str]
+) -> list[dict[str, Any]]:
+    """Return what designs are told of a component that the other FMU cannot say.
+
+    ``known`` are the names that it has or is mapped to; of the others the value is
+    written into the scenario, as ``--swap`` would take it from the one replaced.
+    """
+    found = []
+    for step, design in kept.scenario.spec.design.items():
+        for argument, value in design.arguments.items():
+            of, _, variable = str(value).partition(".")
+            if of != name or not variable or variable in known:
+                continue
+            number = float(kept.parameter(str(value)).value)
+            key = f"design.{step}.arguments.{argument}"
+            text = f"{key}: the other FMU has no {variable}; {number:g} is written"
+            found.append({"step": step, "argument": argument, "value": number})
+            found[-1]["text"] = text
+    return found
 
 
 def _named(query: Query, key: str) -> str:

@@ -89,11 +89,12 @@ def talked(folder: Path) -> System:
 
 
 def looked_up(folder: Path) -> System:
-    """An integer that is always 0 through a table that makes it 7."""
+    """Integers from -1 on, each through a table that is no line."""
     step, here = Fraction(1, 1000), Isolation(process=False)
     file = foreign(2, folder)
     one, two = (Component(n, file, step, isolation=here) for n in ("one", "two"))
-    two = replace(two, map={"in": Mapped("in_Integer", table=((3, 1), (0, 7)))})
+    listed = tuple((k, k * k % 7) for k in range(-1, 20))
+    two = replace(two, map={"in": Mapped("in_Integer", table=listed)})
     wires = {"two.in": "one.out_Integer"}
     return system("1/100", [one, two], wires, {"two.out_Integer": str(step)})
 

@@ -49,19 +49,20 @@ export function replacing(found, component, done) {
           fmu: fmu.file, ...(given === undefined ? {} : { map: given }) });
         map.value = answer.map;
         left = answer.left;
+        numbers = answer.numbers;
         told.replaceChildren(
           ...(answer.error ? [alertOf(answer.error)] : []),
-          ...left.map((one) => h("p", { class: "warning" }, one.text)),
+          ...[...left, ...numbers].map((one) => h("p", { class: "warning" }, one.text)),
           ...(answer.error ? [] : [h("p", { class: "good" }, "It fits in its place.")]));
       } catch (error) {
         told.replaceChildren(alertOf(error.message));
       }
     };
-    let left = [];
+    let left = [], numbers = [];
     const put = h("button", { type: "button", class: "main", onclick: async () => {
       try {
         await tell("edit", { scenario: found.name, do: "replace", name: component.name, fmu: fmu.file,
-          map: map.value, left: left.map((one) => one.name) });
+          map: map.value, left: left.map((one) => one.name), numbers });
         done();
       } catch (error) {
         told.replaceChildren(alertOf(error.message));
