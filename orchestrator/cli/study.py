@@ -118,6 +118,10 @@ def reproduce(
         bool,
         typer.Option("--bands", help="sweep over what the source does not print"),
     ] = False,
+    closed: Annotated[
+        bool,
+        typer.Option("--closed", help="only what a second edition closed, in a table"),
+    ] = False,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -126,6 +130,11 @@ def reproduce(
     from orchestrator.reproduction.reproduce import reproduce as reproduce_study
 
     set_up_logs(verbose)
+    if closed:
+        if only != "*" or figures or bands:
+            raise typer.BadParameter("--closed prints its own table, of its own rows")
+        _closed(study, json=json)
+        return
     with waiting(f"reproducing {study}"):
         done = reproduce_study(
             study, only, told=lambda name: echo(f"ran {name}", err=True)
@@ -147,6 +156,31 @@ def reproduce(
     if failed := [f.spec.id for f in done.figures if f.regression == "FAILED"]:
         echo(f"acceptance missed: {', '.join(failed)}", err=True)
         raise typer.Exit(1)
+
+
+def _closed(study: str, *, json: bool) -> None:
+    from orchestrator.reproduction.closed import closed, read_closed, rows_of
+    from orchestrator.reproduction.reproduce import reproduce as reproduce_study
+    from orchestrator.scenario.reading import find_study
+
+    found = []
+    if differences := read_closed(find_study(study)):
+        with waiting(f"reproducing {study}"):
+            done = reproduce_study(
+                study,
+                rows_of(differences),
+                told=lambda name: echo(f"ran {name}", err=True),
+            )
+        found = closed(differences, {figure.spec.id: figure for figure in done.figures})
+    if json:
+        print_json({"study": study, "closed": [one.as_json() for one in found]})
+    elif not found:
+        echo(f"{study}: no difference of a first edition was closed")
+    else:
+        rows = [list(one.as_json().values()) for one in found]
+        head = ["difference", ">published", ">first edition", ">second edition"]
+        title = f"{study}: what the second edition closed"
+        print_table([*head, "unit", "free numbers"], rows, title)
 
 
 def _page(study: str, done: "Reproduction") -> Path:

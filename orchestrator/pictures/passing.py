@@ -74,6 +74,15 @@ def passing(timetable: Timetable) -> Passing:
         if k >= shown.first:
             shown.published.append(Published(name, k, stems))
 
+    def take(name: str, k: int) -> None:
+        for edge in edges:
+            if edge[1] != name or edge not in stamp:
+                continue
+            again = last.get(edge) == stamp[edge] and parts[name].splits
+            last[edge] = stamp[edge]
+            if k >= shown.first and not again:
+                shown.taken.append(Taken(*edge, k, stamp[edge]))
+
     instants = takewhile(lambda one: one[0] <= shown.last, timetable.instants())
     for k, program in instants:
         for code, name, back, _ in program:
@@ -90,13 +99,12 @@ def passing(timetable: Timetable) -> Passing:
             if code == ("read" if continuous else "tick") and name not in lines:
                 publish(name, k, k)
             if code == "write":
-                for edge in edges:
-                    if edge[1] != name or edge not in stamp:
-                        continue
-                    again = last.get(edge) == stamp[edge] and parts[name].splits
-                    last[edge] = stamp[edge]
-                    if k >= shown.first and not again:
-                        shown.taken.append(Taken(*edge, k, stamp[edge]))
+                take(name, k)
+            if code == "iterate" and not back:  # sampled: all agree at this instant
+                for one in members[name]:
+                    publish(one, k, k)
+                for one in members[name]:
+                    take(one, k)
     return shown
 
 

@@ -4,7 +4,7 @@
 every distinct run and call is made once.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -52,13 +52,13 @@ class Reproduction:
 
 def reproduce(
     study: str | Path,
-    only: str = "*",
+    only: str | Collection[str] = "*",
     *,
     processes: int | None = None,
     folder: Path | None = None,
     told: Told = lambda text: None,
 ) -> Reproduction:
-    """Return the figures of a study whose id fits the pattern ``only``.
+    """Return the figures of a study whose id fits the pattern ``only``, or is in it.
 
     ``study`` is a study's name or folder.  Runs are kept in ``folder`` (default
     ``runs/<study>/reproduce/<n>``); ``told`` hears of each run that ends.  More than
@@ -70,9 +70,7 @@ def reproduce(
     place = study if isinstance(study, Path) else find_study(study)
     reference = read_reference(place / "reference.toml")
     table = reference.figures
-    wanted = [spec for spec in table.values() if fnmatchcase(spec.id, only)]
-    if not wanted:
-        raise ScenarioError(f"no figure fits {only!r}; {did_you_mean(only, table)}")
+    wanted = _wanted(table, only)
     needed = _needed(wanted, table)
     sources = [source for spec in needed for source in spec.sources()]
     jobs = dict.fromkeys(
@@ -82,7 +80,7 @@ def reproduce(
         for job in _jobs(source, place)
     )
     at_once = processes or (2 if len(jobs) > 4 else 1)
-    changed = () if only == "*" else (f"--only {only}",)
+    changed = (f"--only {only}",) if isinstance(only, str) and only != "*" else ()
     begun = Begun("reproduce", f"{place.name}/reproduce", changed)
     with taken(folder, begun) as kept:
         measured = run_all(list(jobs), kept.path, at_once, told)
@@ -97,6 +95,18 @@ def reproduce(
         done = Reproduction(reference, tuple(figures), kept.path)
         kept.complete(done.as_json(place.name))
     return done
+
+
+def _wanted(
+    table: Mapping[str, FigureSpec], only: str | Collection[str]
+) -> list[FigureSpec]:
+    if isinstance(only, str):
+        wanted = [spec for spec in table.values() if fnmatchcase(spec.id, only)]
+        if not wanted:
+            remedy = did_you_mean(only, table)
+            raise ScenarioError(f"no figure fits {only!r}; {remedy}")
+        return wanted
+    return [spec for spec in table.values() if spec.id in only]
 
 
 def _needed(

@@ -36,7 +36,7 @@ STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]
 _KEPT = ("step", "offset", "latency", "kind", "split")  # by a component that is swapped
 HEIRS = 50  # files in a row, each the base of the next
-_NOT_SCENARIOS = ("reference.toml", "figures.toml", "bands.toml")
+_NOT_SCENARIOS = ("reference.toml", "figures.toml", "bands.toml", "closed.toml")
 
 
 @dataclass(frozen=True)

@@ -107,4 +107,4 @@ def test_branches_of_our_c_are_taken(
     record_property("told", f"all: {all_taken} of {total} branches")
     assert {f: n for f, n in figures.items() if n[0] < 0.94 * n[1]} == {}
     assert all_taken > 0.97 * total
-    assert len(figures) > 20
+    assert len(figures) >= 20

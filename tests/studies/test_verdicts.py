@@ -132,7 +132,7 @@ PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
         ("Sec. 4.4, by a sweep", "Hz"): (1, 215),
         ("Sec. 4.4, by a pulse", "Hz"): (1, 215),
         ("Sec. 4.4, by a pulse", "nm"): (1, 290),
-        ("Table 6-7, 50 repeats", "nm"): (6, 33.6),
+        ("Table 6-7, 20 repeats", "nm"): (6, 33.6),
         ("Tables 5-2 and 5-3, 50 repeats", "s"): (8, 0.175739),
         ("Tables 5-2 and 5-3, 50 repeats", "%"): (4, 0.84),
     },

@@ -10,7 +10,7 @@ import fmpy
 from foreign import compile_source
 
 SOURCE = Path(__file__).with_name("stub.c")
-FIRST = {"input": 0, "parameter": 1000, "output": 2000}
+FIRST = {"input": 0, "parameter": 1000, "output": 2000, "calculatedParameter": 2000}
 BASES = {
     "m": 'm="1"',
     "mm": 'm="1" factor="0.001"',
@@ -56,17 +56,20 @@ def stub(
         k = count.setdefault((v.causality, stored), 0)
         count[v.causality, stored] += 1
         start = "false" if v.type == "Boolean" and v.start == "0" else v.start
-        own = "" if v.causality == "output" else f' start="{start}"'
+        given = v.causality in ("input", "parameter")
+        own = f' start="{start}"' if given else ""
         own += f' unit="{v.unit}"' if v.unit else ""
         own += ' declaredType="Mode"' if v.type == "Enumeration" else ""
-        of_parameter = ' variability="fixed"' if v.causality == "parameter" else ""
+        is_parameter = v.causality.lower().endswith("parameter")
+        of_parameter = ' variability="fixed"' if is_parameter else ""
         discrete = ' variability="discrete"' if v.type != "Real" else ""
         lines.append(
             f'<ScalarVariable name="{name}" valueReference="{FIRST[v.causality] + k}" '
             f'causality="{v.causality}"{of_parameter or discrete}>'
             f"<{v.type}{own}/></ScalarVariable>"
         )
-    outputs = [i for i, v in enumerate(variables.values(), 1) if v.causality[0] == "o"]
+    numbered = list(enumerate(variables.values(), 1))
+    outputs = [i for i, v in numbered if v.causality == "output"]
     unknowns = "".join(f'<Unknown index="{i}" dependencies=""/>' for i in outputs)
     units = "".join(
         f'<Unit name="{u}"><BaseUnit {BASES[u]}/></Unit>'

@@ -129,3 +129,9 @@ def test_the_verb_says_what_cannot_be_resumed(
     assert "has no checkpoints to go on from" in said("resume", "1")
     assert "there is no run '7'" in said("resume", "7")
     assert "two runs" in said(*short, "--checkpoint", "1", "--swap", "pi=x.fmu")
+    like = f'{SHORT}expect_like = {{ folder = "b/", relative = 1e-3, time = "1 ms" }}\n'
+    Path("like.toml").write_text(like)
+    assert "is not compared with a baseline" in said(
+        "run", "like.toml", "--checkpoint", "1/1000"
+    )
+    assert not Path("runs/like").exists()

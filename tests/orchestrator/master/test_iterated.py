@@ -17,7 +17,8 @@ from orchestrator.errors import (
     WiringError,
 )
 from orchestrator.master.ages import describe_schedule
-from orchestrator.master.simulate import simulate
+from orchestrator.master.simulate import plan, simulate
+from orchestrator.pictures.passing import passing
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.lock import locked
 from orchestrator.scenario.reading import load_scenario
@@ -147,11 +148,19 @@ def test_a_loop_without_a_solution_is_refused(files: Files, tmp_path: Path) -> N
 
 
 def test_the_schedule_says_what_is_iterated(files: Files, tmp_path: Path) -> None:
-    plan = describe_schedule(loop(files[2]))
-    assert {age.remark for age in plan.ages} == {
+    told = describe_schedule(loop(files[2]))
+    assert {age.remark for age in told.ages} == {
         "iterated until both ends agree (groups.both)"
     }
-    assert [turn.steps for turn in plan.turns] == [N, N]
+    assert [turn.steps for turn in told.turns] == [N, N]
+
+
+def test_the_picture_shows_that_both_take_what_is_of_the_instant(files: Files) -> None:
+    shown = passing(plan(loop(files[2], kind="sampled")))
+    pairs = {(one.source, one.sink) for one in shown.taken}
+    assert pairs == {("a", "b"), ("b", "a")}
+    assert all(one.at == one.stems for one in shown.taken)
+    assert {step.component for step in shown.steps} == {"a", "b"}
 
 
 @pytest.mark.parametrize(
