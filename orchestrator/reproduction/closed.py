@@ -110,7 +110,7 @@ def closed(
         def told(values: Sequence[str], units: Sequence[str] = units) -> str:
             apart = len(set(units)) > 1
             both = zip(values, units, strict=True)
-            return ", ".join(f"{v} {u}".strip() if apart else v for v, u in both)
+            return ", ".join(f"{v} {u}" if apart and u != "1" else v for v, u in both)
 
         found.append(
             Closed(
