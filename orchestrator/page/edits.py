@@ -140,9 +140,9 @@ def remove(project: Project, document: Document, said: Said) -> None:
 def replace(project: Project, document: Document, said: Said) -> None:
     """Put ``fmu`` in the place of component ``name``, with the lines of ``map``.
 
-    Values of the scenario that the other FMU does not take are removed, what designs
-    are told of its parameters without the other having them becomes ``numbers``; the
-    page shows both before (``views.propose``).
+    Values of the scenario that the other FMU does not take are removed; what designs
+    are told of its parameters stays as it was, as ``numbers``.  The page shows both
+    before (``views.propose``).
     """
     name = _text(said, "name")
     document.component(name)

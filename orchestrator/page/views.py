@@ -194,7 +194,7 @@ class Views:
             swapped.close()
         except FeedDriveError as error:
             why = str(error)
-        numbers = told_as_numbers(kept, name, {*swap["map"], *theirs.variables})
+        numbers = told_as_numbers(kept, name)
         return {"map": text, "left": left, "numbers": numbers, "error": why}
 
     def _owned(self, said: Mapping[str, Any]) -> Any:
@@ -208,23 +208,23 @@ class Views:
         return {}
 
 
-def told_as_numbers(
-    kept: Composition, name: str, known: set[str]
-) -> list[dict[str, Any]]:
-    """Return what designs are told of a component that the other FMU cannot say.
+def told_as_numbers(kept: Composition, name: str) -> list[dict[str, Any]]:
+    """Return what designs are told of a component's parameters, as numbers.
 
-    ``known`` are the names that it has or is mapped to; of the others the value is
-    written into the scenario, as ``--swap`` would take it from the one replaced.
+    A design goes on being told the values of the component it was made for, as
+    with ``--swap``: the other FMU may have them in other units, or not at all.
     """
     found = []
     for step, design in kept.scenario.spec.design.items():
         for argument, value in design.arguments.items():
             of, _, variable = str(value).partition(".")
-            if of != name or not variable or variable in known:
+            if of != name or not variable:
                 continue
-            number = float(kept.parameter(str(value)).value)
-            key = f"design.{step}.arguments.{argument}"
-            text = f"{key}: the other FMU has no {variable}; {number:g} is written"
+            quantity = kept.parameter(str(value))
+            number = float(quantity.value)
+            text = (
+                f"design.{step} is told {argument} = {number:g} {quantity.unit}, as now"
+            )
             found.append({"step": step, "argument": argument, "value": number})
             found[-1]["text"] = text
     return found

@@ -52,7 +52,8 @@ export function replacing(found, component, done) {
         numbers = answer.numbers;
         told.replaceChildren(
           ...(answer.error ? [alertOf(answer.error)] : []),
-          ...[...left, ...numbers].map((one) => h("p", { class: "warning" }, one.text)),
+          ...left.map((one) => h("p", { class: "warning" }, one.text)),
+          ...(numbers.length ? [h("p", { class: "soft" }, `${numbers.map((one) => one.text).join("; ")}.`)] : []),
           ...(answer.error ? [] : [h("p", { class: "good" }, "It fits in its place.")]));
       } catch (error) {
         told.replaceChildren(alertOf(error.message));
