@@ -22,6 +22,7 @@ from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import check
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.master.fused.lanes import Lanes
+from orchestrator.master.groups import only_python
 from orchestrator.master.loaded import Loaded
 from orchestrator.master.member import Values
 from orchestrator.master.series import Series
@@ -34,7 +35,8 @@ from orchestrator.session import naming, refuse_metrics, run_earlier
 from orchestrator.warned import collecting
 
 MOST = 6  # compositions that are kept
-LONGEST = {"fused": 3_000_000, "kernel": 500_000}  # instants that are run unasked
+# instants that are run unasked
+LONGEST = {"fused": 3_000_000, "kernel": 500_000, "python": 20_000}
 
 
 class Passing(Run):
@@ -107,7 +109,9 @@ class Kept:
     @property
     def executor(self) -> str:
         """What carries out its runs."""
-        return "fused" if self._lanes else "kernel"
+        if self._lanes:
+            return "fused"
+        return "python" if only_python(self.timetable.wiring) else "kernel"
 
     @property
     def too_long(self) -> str | None:
