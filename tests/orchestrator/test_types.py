@@ -290,7 +290,7 @@ def test_enumerations_and_switches_connect_to_their_like_only(
         ("Boolean", real),
         (integer, "Boolean"),
         ("Boolean", "Enumeration"),
-        ("String", "String"),
+        ("String", real),
         (real, "String"),
     ):
         with pytest.raises(WiringError, match="cannot drive"):
