@@ -5,12 +5,14 @@
     <Model>_test.c   a program that steps through a test vector and tells the error
 
 In double the elementary functions are those of the FMUs (their headers come
-along); in float they are the C library's.
+along); in float they are the C library's, and a model that calculates with whole
+numbers beyond those a float holds is refused.
 """
 
 import ctypes
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -44,6 +46,7 @@ KEYWORDS = re.compile(
     "goto|if|inline|int|long|register|restrict|return|short|signed|sizeof|static|"
     "struct|switch|typedef|union|unsigned|void|volatile|while"
 )
+SPLITTER = 2.0**27 + 1  # cuts a double in two; 2¹² + 1 cuts a float
 DOUBLE = re.compile(r"(?<![\w.])((?:\d+\.\d*|\.\d+)(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)")
 
 
@@ -51,7 +54,7 @@ def bare_c(subject: Subject, real: Real, cache: Path) -> dict[str, str]:
     """Return the C files by name.
 
     Raises:
-        BuildError: the model is continuous, or two of its names are one in C.
+        BuildError: the model is continuous, two names are one in C, or float is short.
     """
     if not isinstance(subject.model, Sampled):
         raise BuildError(
@@ -88,6 +91,7 @@ def _header(subject: Subject, real: Real) -> str:
         num=num,
         den=den,
         members="".join(members),
+        single="" if real == "double" else SINGLE.format(2**24 * num / den),
     )
 
 
@@ -124,7 +128,8 @@ def _source(subject: Subject, real: Real) -> str:
     if real == "float":
         code = re.sub(rf"\bown_({OWN})\(", r"\1f(", code)
         code = re.sub(r"\b(floor|ceil|fabs|sqrt)\(", r"\1f(", code)
-        code = DOUBLE.sub(r"\1f", code).replace('"elementary.h"', "<math.h>")
+        code = DOUBLE.sub(partial(_single, name), code)
+        code = code.replace('"elementary.h"', "<math.h>")
     starts = [
         _start(layout.block(block), real)
         for block in MEMBERS.values()
@@ -154,6 +159,19 @@ def _source(subject: Subject, real: Real) -> str:
         **{f"sz_{part}": size for part, size in work.items()},
         **given,
     )
+
+
+def _single(name: str, found: re.Match[str]) -> str:
+    """Return a constant of the equations in float."""
+    exact = float(found[1])
+    if exact == SPLITTER:
+        return "4097.f"
+    with np.errstate(over="ignore", under="ignore"):
+        single = float(np.float32(exact))
+    if single != exact and (single == 0 or not np.isfinite(single) or exact % 1 == 0):
+        what = f"{exact:.17g}, which is no number of single precision"
+        raise BuildError(f"{name} calculates with {what}: build it in double")
+    return f"{found[1]}f"
 
 
 def _start(variables: Sequence[Variable], real: Real) -> str:
@@ -223,7 +241,7 @@ HEADER = """\
        every {num}/{den} s:  set m.u;  {name}_step(&m);  read m.y
 
    Arrays are stored rows first.  Nothing is allocated; instances are independent.
-   Made by feeddrive. */
+{single}   Made by feeddrive. */
 #ifndef {guard}
 #define {guard}
 
@@ -242,6 +260,9 @@ void {name}_prepare({name} *m);
 void {name}_step({name} *m);
 
 #endif
+"""
+SINGLE = """\
+   In float, what counts ticks stays at 16777216, after {:.4g} s.
 """
 SOURCE = """\
 #include "{name}.h"

@@ -14,7 +14,7 @@ import numpy as np
 
 from fmus.model import Sampled, Var
 
-TINY = 1e-300
+TINY = 1e-37  # m²; a number in float as well
 
 
 class State(NamedTuple):

@@ -1,10 +1,15 @@
 """What of the hostile suite runs: all with ``--hostile``, else what is a sample."""
 
+import subprocess
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from draws import seed
+from forker import Forker
+from tools import needed
 
 HERE = Path(__file__).parent
 
@@ -41,3 +46,14 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
                     counted[str(value)] += 1
     for told, times in sorted(counted.items()):
         terminalreporter.write_line(told + (f": {times} times" if times > 1 else ""))
+
+
+@pytest.fixture(scope="session")
+def forker(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Forker]:
+    """What forks commands, whose calls can be made to fail."""
+    needed("gcc")
+    library = tmp_path_factory.mktemp("failing") / "failing.so"
+    command = ["gcc", "-O1", "-shared", "-fPIC", str(HERE / "failing.c"), "-ldl", "-o"]
+    subprocess.run([*command, str(library)], check=True)
+    with closing(Forker(library)) as started:
+        yield started

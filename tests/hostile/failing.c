@@ -32,7 +32,8 @@ static volatile int64_t *count; /* NULL: nothing is counted */
 static int64_t at;
 static const char *below;
 
-__attribute__((constructor)) static void begin(void) {
+/* Begin to count, as the environment says; a process that was forked calls it again. */
+__attribute__((constructor)) void failing_begin(void) {
     const char *file = getenv("FAILING_COUNT"), *n = getenv("FAILING_AT");
     below = getenv("FAILING_BELOW");
     if (!file || !n || !below)

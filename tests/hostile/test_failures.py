@@ -2,10 +2,10 @@
 
 60 failures are drawn by the commit; ``--every-failure`` makes every n fail and prints
 what came of it.  At another 30 calls power fails: all processes are killed, and files
-lose what was not synced.
+lose what was not synced.  The commands are forked from a process with all imports done;
+for each verb one that is started as users do makes as many calls.
 """
 
-import contextlib
 import json
 import os
 import shutil
@@ -14,22 +14,22 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 from draws import drawn
-from tools import needed
+from forker import Forker
 
 from orchestrator.result import Result
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="what makes calls fail is preloaded on Linux"
 )
-HERE = Path(__file__).parent
-MODEL = HERE.parent / "fmus" / "small_models" / "pi.py"
+MODEL = Path(__file__).parents[1] / "fmus" / "small_models" / "pi.py"
 DRAWN = 60
 SCENARIO = """
 stop = "1/20"
@@ -50,15 +50,20 @@ VERBS = {
     ],
     "resume": ["resume", "cut", "--json"],
     "resume run": ["resume", "run", "--json"],
+    "from": ["run", "s.toml", "-o", "run", "--json", "--from", "kept@1/50"],
+    "kept": [
+        *("run", "s.toml", "-o", "kept", "--checkpoint", "1/100"),
+        "--keep-checkpoints",
+    ],
     "export": ["export", "whole", "-o", "out.csv"],
 }
-FAILING = [verb for verb in VERBS if verb != "resume run"]
+FAILING = [verb for verb in VERBS if verb not in ("resume run", "kept")]
 POWER = 30
-CASES = [(verb, number) for number in range(DRAWN // len(FAILING)) for verb in FAILING]
+CASES = [(verb, n) for n in range(-(-DRAWN // len(FAILING))) for verb in FAILING]
 DARK = [
     (verb, number)
-    for number in range(POWER // 5)
-    for verb in ("build", "run", "sweep", "checkpoint", "resume")
+    for number in range(POWER // 6)
+    for verb in ("build", "run", "sweep", "checkpoint", "resume", "from")
 ]
 
 
@@ -68,10 +73,11 @@ class Place:
 
     folder: Path
     library: Path
+    forker: Forker | None  # none: verbs are started as users do
 
     def copy(self, folder: Path) -> "Place":
         shutil.copytree(self.folder, folder)
-        return Place(folder, self.library)
+        return replace(self, folder=folder)
 
     def command(
         self, verb: str, at: int | None, *, dark: bool = False
@@ -81,7 +87,7 @@ class Place:
         ``dark``: power fails there instead.
         """
         project, cache = self.folder / "project", self.folder / "cache"
-        environment = {**os.environ, "FEEDDRIVE_CACHE": str(cache)}
+        environment = {"FEEDDRIVE_CACHE": str(cache)}
         if at is not None:
             self.count.write_bytes(bytes(8))
             environment |= {
@@ -93,10 +99,12 @@ class Place:
             }
         if dark:
             environment["FAILING_POWER"] = str(self.journal)
+        if self.forker is not None:
+            return self.forker.run(VERBS[verb], project, environment)
         return subprocess.run(
             [sys.executable, "-m", "orchestrator", *VERBS[verb]],
             cwd=project,
-            env=environment,
+            env={**os.environ, **environment},
             capture_output=True,
             text=True,
             timeout=300,
@@ -133,7 +141,7 @@ class Place:
                 new[path] = source
         for path, before in reversed(new.items()) if names else ():
             if Path(path).exists() and not Path(before).exists():
-                with contextlib.suppress(OSError):
+                with suppress(OSError):
                     Path(path).rename(before)
         for path, size in sizes.items():
             if Path(path).is_file() and Path(path).stat().st_size > size:
@@ -152,7 +160,7 @@ class Place:
             return (self.folder / "project/out/SmallPI.fmu").read_bytes()
         if verb == "export":
             return (self.folder / "project/out.csv").read_bytes()
-        if verb in ("run", "checkpoint", "resume"):
+        if verb in ("run", "checkpoint", "resume", "from"):
             folder = "cut" if verb == "resume" else "run"
             found = Result(self.folder / "project" / folder)["pi.u"].values
             return json.loads(printed)["metrics"], found.tobytes()
@@ -166,14 +174,9 @@ class Place:
 
 
 @pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> Place:
+def warm(forker: Forker, tmp_path_factory: pytest.TempPathFactory) -> Place:
     """A project whose cache has all libraries, but no FMU."""
-    needed("gcc")
-    folder = tmp_path_factory.mktemp("failing")
-    library = folder / "failing.so"
-    command = ["gcc", "-O1", "-shared", "-fPIC", str(HERE / "failing.c"), "-ldl", "-o"]
-    subprocess.run([*command, str(library)], check=True)
-    place = Place(folder / "warm", library)
+    place = Place(tmp_path_factory.mktemp("failing") / "warm", forker.library, forker)
     (place.folder / "project").mkdir(parents=True)
     shutil.copyfile(MODEL, place.folder / "project" / "pi.py")
     (place.folder / "project" / "pyproject.toml").touch()
@@ -183,6 +186,8 @@ def warm(tmp_path_factory: pytest.TempPathFactory) -> Place:
         assert done.returncode == 0, done.stderr
     (place.folder / "project" / "run").rename(place.folder / "project" / "whole")
     place.clear()
+    done = place.command("kept", None)
+    assert done.returncode == 0, done.stderr
     cut_off(place)
     shutil.rmtree(place.folder / "cache" / "fmus")
     return place
@@ -207,6 +212,13 @@ def cut_off(place: Place) -> None:
     assert done.returncode == 9
 
 
+def counted(place: Place, verb: str) -> tuple[int, Any]:
+    """Return how many calls a verb makes here, and what comes out of it."""
+    done = place.command(verb, 0)
+    assert done.returncode == 0, done.stderr
+    return place.counted(), place.outcome(verb, done.stdout)
+
+
 @pytest.fixture(scope="module")
 def known(
     warm: Place, tmp_path_factory: pytest.TempPathFactory
@@ -216,10 +228,10 @@ def known(
 
     def of(verb: str) -> tuple[int, Any]:
         if verb not in found:
-            place = warm.copy(tmp_path_factory.mktemp("counted") / verb)
-            done = place.command(verb, 0)
-            assert done.returncode == 0, done.stderr
-            found[verb] = place.counted(), place.outcome(verb, done.stdout)
+            folder = tmp_path_factory.mktemp("counted")
+            forked = counted(warm.copy(folder / "forked"), verb)
+            found[verb] = counted(replace(warm.copy(folder / "it"), forker=None), verb)
+            assert forked == found[verb]
         return found[verb]
 
     return of
@@ -275,14 +287,14 @@ def test_every_call_that_fails_makes_nothing_wrong(
     if not request.config.getoption("--every-failure"):
         pytest.skip("--every-failure lets every call fail, not those drawn alone")
     calls, right = known(verb)
-    wrong, counted = [], Counter[str]()
+    wrong, came = [], Counter[str]()
     for at in range(1, calls + 1):
         try:
-            counted[fail(warm, tmp_path / "it", verb, at, right)] += 1
+            came[fail(warm, tmp_path / "it", verb, at, right)] += 1
         except AssertionError as error:
             wrong.append(str(error)[:400])
             shutil.rmtree(tmp_path / "it", ignore_errors=True)
-    told = ", ".join(f"{what}: {n}" for what, n in sorted(counted.items()))
+    told = ", ".join(f"{what}: {n}" for what, n in sorted(came.items()))
     record_property("told", f"{verb}, {calls} calls: {told}; wrong: {len(wrong)}")
     assert wrong == [], f"{len(wrong)} of {calls}"
 
