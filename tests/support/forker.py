@@ -17,9 +17,11 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import Any
 
+ENDING = 10  # s in which what watches over a command has to end after it
 LEFT_OUT = ("orchestrator.page", "orchestrator.pytest_plugin", "orchestrator.__main__")
 
 
@@ -54,8 +56,10 @@ class Forker:
         print(json.dumps(asked), file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         assert answer, "the process that forks has ended"
+        code, left = json.loads(answer)
+        assert left == [], "processes of the command that were not waited for"
         texts = [file.read_text() for file in said]
-        return subprocess.CompletedProcess(words, int(answer), *texts)
+        return subprocess.CompletedProcess(words, code, *texts)
 
     def close(self) -> None:
         """End it."""
@@ -80,6 +84,20 @@ def wait(pid: int, within: float = 300.0) -> int:
         os.killpg(pid, signal.SIGKILL)
     os.close(descriptor)
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+
+
+def left_in_session(session: int) -> list[str]:
+    """Return the processes that a command has left in its session."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            name, _, rest = (folder / "stat").read_text().rpartition(")")
+        except OSError:
+            continue  # it has ended meanwhile
+        state, _, _, of, *_ = rest.split()
+        if int(of) == session and state != "Z":
+            found.append(name)
+    return found
 
 
 def become(
@@ -112,7 +130,11 @@ def asked() -> bool:
         if not pid:
             become(*request)
             return True
-        print(wait(pid), flush=True)
+        code = wait(pid)
+        until = time.monotonic() + ENDING
+        while (left := left_in_session(pid)) and time.monotonic() < until:
+            time.sleep(0.02)
+        print(json.dumps([code, left]), flush=True)
     return False
 
 
