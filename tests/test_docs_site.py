@@ -74,7 +74,7 @@ def _complaints(driver: Any, pages: Iterable[Path]) -> list[str]:
 
 
 def test_axe_finds_nothing_in_pages_of_the_site(built: Path, driver: Any) -> None:
-    pages = ("add-a-drive", "reference/plants.leadscrew.axis")
+    pages = ("add-a-drive", "reference/plants.leadscrew.axis", "reference/python")
     assert _complaints(driver, [built / f"{name}.html" for name in pages]) == []
 
 
