@@ -137,12 +137,6 @@ PUBLISHED: dict[str, dict[tuple[str, str], tuple[int, float]]] = {
         ("Tables 5-2 and 5-3, 50 repeats", "%"): (4, 0.84),
     },
 }
-COMPUTED = {
-    "cascade_nppi": 5,
-    "ball_screw_pole_placement": 8,
-    "gantry": 5,
-    "leadscrew_nctf": 1,
-}
 
 
 @pytest.mark.parametrize("study", PUBLISHED)
@@ -205,4 +199,6 @@ def test_every_figure_is_judged_and_every_difference_has_its_reason(
     judged = {verdict: sum(of.values()) for verdict, of in counts["verdicts"].items()}
     assert judged.keys() == MEANING.keys()
     assert sum(judged.values()) == len(figures)
-    assert judged["computed"] == COMPUTED[study]
+    unjudged = [f for f in figures if f.verdict == "computed"]
+    assert [f.spec.id for f in unjudged if f.spec.published is not None] == []
+    assert [f.spec.id for f in unjudged if not f.why] == []
