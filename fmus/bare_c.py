@@ -18,6 +18,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from fmus.bare_c_texts import HEADER, SINGLE, SOURCE, STEPS_OF, TEST
 from fmus.compile import compile_alone, host_platform
 from fmus.layout import Block, Layout, Variable
 from fmus.load import BuildError
@@ -46,6 +47,7 @@ KEYWORDS = re.compile(
     "goto|if|inline|int|long|register|restrict|return|short|signed|sizeof|static|"
     "struct|switch|typedef|union|unsigned|void|volatile|while"
 )
+LOST = "{} {} with {:.17g}, which is no number of single precision: build it in double"
 SPLITTER = 2.0**27 + 1  # cuts a double in two; 2¹² + 1 cuts a float
 DOUBLE = re.compile(r"(?<![\w.])((?:\d+\.\d*|\.\d+)(?:[eE][-+]?\d+)?|\d+[eE][-+]?\d+)")
 
@@ -131,7 +133,7 @@ def _source(subject: Subject, real: Real) -> str:
         code = DOUBLE.sub(partial(_single, name), code)
         code = code.replace('"elementary.h"', "<math.h>")
     starts = [
-        _start(layout.block(block), real)
+        _start(name, layout.block(block), real)
         for block in MEMBERS.values()
         if layout.count[block]
     ]
@@ -166,18 +168,24 @@ def _single(name: str, found: re.Match[str]) -> str:
     exact = float(found[1])
     if exact == SPLITTER:
         return "4097.f"
-    with np.errstate(over="ignore", under="ignore"):
-        single = float(np.float32(exact))
-    if single != exact and (single == 0 or not np.isfinite(single) or exact % 1 == 0):
-        what = f"{exact:.17g}, which is no number of single precision"
-        raise BuildError(f"{name} calculates with {what}: build it in double")
+    if _lost(exact) or (exact % 1 == 0 and float(np.float32(exact)) != exact):
+        raise BuildError(LOST.format(name, "calculates", exact))
     return f"{found[1]}f"
 
 
-def _start(variables: Sequence[Variable], real: Real) -> str:
+def _lost(exact: float) -> bool:
+    """Tell whether a float makes 0 or infinity of a number."""
+    with np.errstate(over="ignore", under="ignore"):
+        single = float(np.float32(exact))
+    return single != exact and (single == 0 or np.isinf(single))
+
+
+def _start(name: str, variables: Sequence[Variable], real: Real) -> str:
     suffix = "f" if real == "float" else ""
     parts = []
     for v in variables:
+        if real == "float" and (lost := [x for x in v.start if _lost(x)]):
+            raise BuildError(LOST.format(name, f"starts {v.name}", lost[0]))
         numbers = [number(x) + suffix for x in v.start or (0.0,) * v.size]
         parts.append(f"{{{', '.join(numbers)}}}" if v.shape else numbers[0])
     return f"{{{', '.join(parts)}}}"
@@ -231,120 +239,3 @@ def _test(subject: Subject, inputs: FloatArray, outputs: FloatArray) -> str:
         outputs=table(outputs),
         assign=assign if n_u else "(void)inputs;",
     )
-
-
-HEADER = """\
-/* {summary}.
-
-       {name} m;
-       {name}_init(&m);
-       every {num}/{den} s:  set m.u;  {name}_step(&m);  read m.y
-
-   Arrays are stored rows first.  Nothing is allocated; instances are independent.
-{single}   Made by feeddrive. */
-#ifndef {guard}
-#define {guard}
-
-typedef {real} {name}_real;
-
-typedef struct {{
-{members}}} {name};
-
-/* Start values everywhere, and what follows from the parameters. */
-void {name}_init({name} *m);
-
-/* What follows from the parameters; needed after a change of m->p. */
-void {name}_prepare({name} *m);
-
-/* One sample: outputs from inputs and states, then the states move on. */
-void {name}_step({name} *m);
-
-#endif
-"""
-SINGLE = """\
-   In float, what counts ticks stays at 16777216, after {:.4g} s.
-"""
-SOURCE = """\
-#include "{name}.h"
-
-#include <string.h>
-
-#define casadi_real {real}
-{quiet}
-{code}
-
-static const {name}_real sample_time[1] = {{{T_s}}};
-
-void {name}_init({name} *m) {{
-    static const {name} start = {{
-        {start}}};
-    *m = start;
-    {name}_prepare(m);
-}}
-
-void {name}_prepare({name} *m) {{
-    const {name}_real *arg[{sz_arg}] = {{{p}, sample_time}};
-    {name}_real *res[{sz_res}] = {{{d}}};
-    long long iw[{sz_iw}];
-    {name}_real w[{sz_w}];
-    (void)m;
-    prepare(arg, res, iw, w, 0);
-}}
-
-void {name}_step({name} *m) {{
-    {name}_real next[{n_x}], w[{sz_w}];
-    const {name}_real *arg[{sz_arg}] = {{{x}, {u}, {p}, {d}, sample_time}};
-    {name}_real *res[{sz_res}] = {{next, {result}}};
-    long long iw[{sz_iw}];
-    step(arg, res, iw, w, 0);
-    {keep}
-}}
-"""
-STEPS_OF = """\
-#include "{name}.h"
-#include <string.h>
-__attribute__((visibility("default")))
-void run_test_vector(int n, const double *u, double *y) {{
-    {name} m;
-    {name}_init(&m);
-    for (int k = 0; k < n; k++, u += {n_u}, y += {n_y}) {{
-        {set_u}
-        {name}_step(&m);
-        memcpy(y, &m.y, {n_y} * sizeof(double));
-    }}
-}}
-"""
-TEST = """\
-/* Steps {name} through a test vector; outputs are those of the FMU.  Prints how
-   many differ in any bit, and the largest error relative to the largest output. */
-#include "{name}.h"
-
-#include <math.h>
-#include <stdio.h>
-
-static const double inputs[{steps}][{w_u}] = {{
-{inputs}}};
-static const double outputs[{steps}][{n_y}] = {{
-{outputs}}};
-
-int main(void) {{
-    static {name} m;
-    int k, i, differing = 0;
-    double largest = 0, error = 0;
-    {name}_init(&m);
-    for (k = 0; k < {steps}; k++) {{
-        for (i = 0; i < {n_u}; i++)
-            {assign}
-        {name}_step(&m);
-        for (i = 0; i < {n_y}; i++) {{
-            double y = (double)((const {name}_real *)&m.y)[i];
-            differing += y != outputs[k][i];
-            error = fmax(error, fabs(y - outputs[k][i]));
-            largest = fmax(largest, fabs(outputs[k][i]));
-        }}
-    }}
-    printf("%d differ, largest error %.2g\\n", differing,
-           largest > 0 ? error / largest : error);
-    return differing != 0 && sizeof({name}_real) == sizeof(double);
-}}
-"""
