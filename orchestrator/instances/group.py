@@ -137,7 +137,7 @@ class Group:
         self._call("get", self.getter)
         if not self.in_place:
             assert self.vector is not None
-            self.vector[self.first : self.first + self.size] = list(self.buffer)
+            self.vector[self.first : self.first + self.size] = self._numbers()
 
     def set(self, values: Sequence[float]) -> None:
         """Set the FMU's variables to the values given."""
@@ -148,7 +148,12 @@ class Group:
         """Return the FMU's variables, 64-bit integers as such."""
         self._call("get", self.getter)
         whole = self.element in (ctypes.c_int64, ctypes.c_uint64)
-        return list(self.buffer) if whole else [float(v) for v in self.buffer]
+        return list(self.buffer) if whole else [float(v) for v in self._numbers()]
+
+    def _numbers(self) -> list[Any]:
+        """Return what is in the buffer; a Boolean that is not 0 is true."""
+        found = list(self.buffer)
+        return [v != 0 for v in found] if self.kind == "Boolean" else found
 
     def fill(self, values: Sequence[float]) -> None:
         """Put values into the buffer.

@@ -54,8 +54,8 @@ static void from_buffer(const Group *g) {
     case U16: EACH(uint16_t, v[i] = b[i]);
     case I32: EACH(int32_t, v[i] = b[i]);
     case U32: EACH(uint32_t, v[i] = b[i]);
-    case BOOL32: EACH(int32_t, v[i] = b[i]);
-    case BOOL8: EACH(_Bool, v[i] = b[i]);
+    case BOOL32: EACH(int32_t, v[i] = b[i] != 0); /* what is not 0 is true */
+    case BOOL8: EACH(uint8_t, v[i] = b[i] != 0);
     default: break;
     }
 }
@@ -76,11 +76,14 @@ static int to_buffer(const Group *g) {
     case I32: EACH(int32_t, b[i] = (int32_t)v[i]);
     case U32: EACH(uint32_t, b[i] = (uint32_t)v[i]);
     case BOOL32: EACH(int32_t, b[i] = v[i] != 0);
-    case BOOL8: EACH(_Bool, b[i] = v[i] != 0);
+    case BOOL8: EACH(uint8_t, b[i] = v[i] != 0);
     default: break;
     }
     return 1;
 }
+
+/* What an FMU takes for a _Bool and may fill with anything, which no _Bool may hold. */
+typedef unsigned char Flag;
 
 static int fail(Kernel *kernel, int failure, int64_t k, const Op *op, size_t group,
                 int status) {
@@ -97,12 +100,12 @@ static int tick(const Part *p) {
     enum { UPDATES = 100, DISCARD = 2 };
     const Ticker *c = p->ticker;
     const _Bool active = 1;
-    _Bool flags[5];
+    Flag flags[5] = {0};
     double next;
     int status = ((int (*)(void *, const uint32_t *, size_t, const _Bool *))
                       c->set_clock)(p->instance, &c->reference, 1, &active);
     for (int i = 0; i < UPDATES && good(status); i++) {
-        status = ((int (*)(void *, _Bool *, _Bool *, _Bool *, _Bool *, _Bool *,
+        status = ((int (*)(void *, Flag *, Flag *, Flag *, Flag *, Flag *,
                            double *))c->update)(p->instance, flags, flags + 1,
                                                 flags + 2, flags + 3, flags + 4, &next);
         if (good(status) && flags[1])
@@ -117,18 +120,18 @@ static int tick(const Part *p) {
 static ALWAYS_INLINE int do_step(const Part *p, double t, double h, int *status) {
     const double whole = 1 - 1e-9; /* as in ending.py */
     double reached = t + h;
-    _Bool event, ended = 0, early = 0;
+    Flag event, ended = 0, early = 0;
     if (p->major == 2) {
         *status = ((int (*)(void *, double, double, int))p->do_step)(p->instance, t, h,
                                                                      1);
         return good(*status);
     }
-    *status = ((int (*)(void *, double, double, _Bool, _Bool *, _Bool *, _Bool *,
+    *status = ((int (*)(void *, double, double, _Bool, Flag *, Flag *, Flag *,
                         double *))p->do_step)(p->instance, t, h, 1, &event, &ended,
                                               &early, &reached);
     if (good(*status) && !ended && !early)
         return 1;
-    *p->outcome = (Outcome){reached, ended, early, 0};
+    *p->outcome = (Outcome){reached, ended != 0, early != 0, 0};
     p->outcome->last = good(*status) && ended && reached >= t + h * whole;
     return p->outcome->last;
 }

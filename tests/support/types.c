@@ -32,6 +32,14 @@ static int set(Instance *s, const unsigned *vr, size_t n, const void *from,
     return OK;
 }
 
+/* True has all its bits set, as in some languages. */
+static int get_truth(Instance *s, const unsigned *vr, size_t n, void *to, size_t size) {
+    get(s, vr, n, to, size);
+    for (size_t i = 0; i < n; i++)
+        memset((char *)to + i * size, s->values[place(vr[i])][0] ? 0xff : 0, size);
+    return OK;
+}
+
 static int keep(Instance *s, unsigned vr, const void *from, size_t size) {
     if (size >= LONGEST)
         return ERROR;
@@ -56,17 +64,17 @@ EXPORT void FREE(void *s) { free(s); }
 
 #if FMI == 2
 
-#define ACCESS(Name, T)                                                          \
+#define ACCESS(Name, T, GET)                                                     \
     EXPORT int fmi2Get##Name(Instance *s, const unsigned *vr, size_t n, T *v) {  \
-        return get(s, vr, n, v, sizeof *v);                                      \
+        return GET(s, vr, n, v, sizeof *v);                                      \
     }                                                                            \
     EXPORT int fmi2Set##Name(Instance *s, const unsigned *vr, size_t n,          \
                              const T *v) {                                       \
         return set(s, vr, n, v, sizeof *v);                                      \
     }
-ACCESS(Real, double)
-ACCESS(Integer, int)
-ACCESS(Boolean, int)
+ACCESS(Real, double, get)
+ACCESS(Integer, int, get)
+ACCESS(Boolean, int, get_truth)
 EXPORT int fmi2GetString(Instance *s, const unsigned *vr, size_t n, const char **v) {
     for (size_t i = 0; i < n; i++)
         v[i] = (const char *)s->values[place(vr[i])];
@@ -85,26 +93,26 @@ EXPORT int fmi2DoStep(void *s, double t, double h, int no) { return OK; }
 
 #else
 
-#define ACCESS(Name, T)                                                          \
+#define ACCESS(Name, T, GET)                                                     \
     EXPORT int fmi3Get##Name(Instance *s, const unsigned *vr, size_t n, T *v,    \
                              size_t m) {                                         \
-        return get(s, vr, n, v, sizeof *v);                                      \
+        return GET(s, vr, n, v, sizeof *v);                                      \
     }                                                                            \
     EXPORT int fmi3Set##Name(Instance *s, const unsigned *vr, size_t n,          \
                              const T *v, size_t m) {                             \
         return set(s, vr, n, v, sizeof *v);                                      \
     }
-ACCESS(Float64, double)
-ACCESS(Float32, float)
-ACCESS(Int8, int8_t)
-ACCESS(UInt8, uint8_t)
-ACCESS(Int16, int16_t)
-ACCESS(UInt16, uint16_t)
-ACCESS(Int32, int32_t)
-ACCESS(UInt32, uint32_t)
-ACCESS(Int64, int64_t)
-ACCESS(UInt64, uint64_t)
-ACCESS(Boolean, _Bool)
+ACCESS(Float64, double, get)
+ACCESS(Float32, float, get)
+ACCESS(Int8, int8_t, get)
+ACCESS(UInt8, uint8_t, get)
+ACCESS(Int16, int16_t, get)
+ACCESS(UInt16, uint16_t, get)
+ACCESS(Int32, int32_t, get)
+ACCESS(UInt32, uint32_t, get)
+ACCESS(Int64, int64_t, get)
+ACCESS(UInt64, uint64_t, get)
+ACCESS(Boolean, _Bool, get_truth)
 EXPORT int fmi3GetString(Instance *s, const unsigned *vr, size_t n, const char **v,
                          size_t m) {
     for (size_t i = 0; i < n; i++)

@@ -195,6 +195,8 @@ static int set_all(const Loaded *l, int type, const uint32_t *vr, size_t n, size
         return fine(CALL(l, fmi3SetFloat64, fmi3SetFloat64TYPE, vr, n, values, size));
     for (size_t i = 0; i < n && fine(status); i++) {
         int whole = values[i] != 0;
+        if (type == BOOLEAN && values[i] != 0 && values[i] != 1)
+            return 0;
         if (type == INTEGER) {
             if (!(fabs(values[i]) < 0x1p31) || values[i] != floor(values[i]))
                 return 0; /* no whole number, or too large a one */
@@ -254,14 +256,15 @@ static int foreign_read(Engine *e, const Foreign *f, int64_t k) {
 
 static int foreign_step(Engine *e, const Foreign *f, int64_t k, double t, double h) {
     const Loaded *l = (Loaded *)e->kernel + f->index;
-    _Bool event = 0, ended = 0, early = 0;
+    unsigned char flags[3] = {0}; /* event, ended, early: may be filled with anything */
     double reached = t + h;
     int never = !FOREIGN_STATES; /* whether a step is never taken back */
     int done = fine(f->major == 2
                         ? (int)CALL(l, fmi2DoStep, fmi2DoStepTYPE, t, h, never)
-                        : (int)CALL(l, fmi3DoStep, fmi3DoStepTYPE, t, h, never, &event,
-                                    &ended, &early, &reached));
-    return (done && !ended && !early) || stopped(e, NOT_FINITE_STEP, f->part, k);
+                        : (int)CALL(l, fmi3DoStep, fmi3DoStepTYPE, t, h, never,
+                                    (_Bool *)flags, (_Bool *)(flags + 1),
+                                    (_Bool *)(flags + 2), &reached));
+    return (done && !flags[1] && !flags[2]) || stopped(e, NOT_FINITE_STEP, f->part, k);
 }
 
 /* Into initialisation, its inputs into the vector. */
