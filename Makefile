@@ -16,9 +16,9 @@ suite: $(READY)
 test-all: lint
 	$(BIN)/pytest -n auto --dist worksteal --every-form
 
-# FMUs that break, files that lie, calls that fail; the draws change with the commit.
+# FMUs that break, files that lie, calls that fail; draws and order change with the commit.
 test-hostile: $(READY)
-	$(BIN)/pytest -n auto tests/hostile --hostile
+	$(BIN)/pytest -n auto tests/hostile --hostile --minutes 20
 
 lint: $(READY)
 	$(BIN)/ruff check .

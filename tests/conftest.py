@@ -40,10 +40,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="with --hostile: let every call to the system fail, not those drawn",
     )
     parser.addoption(
-        "--fuzz-examples",
-        type=int,
+        "--fuzz-seconds",
+        type=float,
+        default=60.0,
+        metavar="S",
+        help="with --hostile: how long every reader is fuzzed (60)",
+    )
+    parser.addoption(
+        "--minutes",
+        type=float,
         metavar="N",
-        help="with --hostile: examples for every reader that is fuzzed",
+        help="with --hostile: in an order that changes with the commit; what would"
+        " begin later than this is left out and counted",
     )
 
 

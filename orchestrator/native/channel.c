@@ -90,7 +90,7 @@ EXPORT int channel_step(Link *link, double t, double h, int unused) {
     (void)unused;
     link->channel->t = t;
     link->channel->h = h;
-    link->channel->steps++;
+    link->channel->steps = (int64_t)((uint64_t)link->channel->steps + 1); /* theirs too */
     return channel_ask(link, STEP);
 }
 

@@ -1,27 +1,34 @@
 """What of the hostile suite runs: all with ``--hostile``, else what is a sample."""
 
+import os
 import subprocess
+import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
-from draws import seed
+from draws import drawn, seed
 from forker import Forker
 from tools import needed
 
 HERE = Path(__file__).parent
+BEGUN = "FEEDDRIVE_HOSTILE_BEGUN"  # s; workers take it over
+OVER = "the time of the hostile suite is over"
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "sample: part of the plain suite as well")
+    os.environ.setdefault(BEGUN, str(time.time()))
 
 
 def pytest_collection_modifyitems(
     config: pytest.Config, items: list[pytest.Item]
 ) -> None:
     if config.getoption("--hostile"):
+        if config.getoption("--minutes"):
+            drawn("order").shuffle(items)
         return
     left_out = {
         item
@@ -32,6 +39,13 @@ def pytest_collection_modifyitems(
     items[:] = [item for item in items if item not in left_out]
 
 
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    minutes = item.config.getoption("--minutes")
+    begun = float(os.environ[BEGUN])
+    if minutes and HERE in item.path.parents and time.time() > begun + 60 * minutes:
+        pytest.skip(OVER)
+
+
 def pytest_report_header(config: pytest.Config) -> str:
     return f"hostile draws from: {seed()}" if config.getoption("--hostile") else ""
 
@@ -39,6 +53,11 @@ def pytest_report_header(config: pytest.Config) -> str:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Print what tests have told, such as what came of every call that failed."""
     counted = Counter[str]()
+    late = sum(
+        OVER in str(r.longrepr) for r in terminalreporter.stats.get("skipped", ())
+    )
+    if late:
+        terminalreporter.write_line(f"{OVER}: {late} tests were left out")
     for reports in terminalreporter.stats.values():
         for report in reports:
             for name, value in getattr(report, "user_properties", ()):

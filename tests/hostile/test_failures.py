@@ -173,7 +173,7 @@ class Place:
         (self.folder / "project" / "out.csv").unlink(missing_ok=True)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def warm(forker: Forker, tmp_path_factory: pytest.TempPathFactory) -> Place:
     """A project whose cache has all libraries, but no FMU."""
     place = Place(tmp_path_factory.mktemp("failing") / "warm", forker.library, forker)
@@ -219,7 +219,7 @@ def counted(place: Place, verb: str) -> tuple[int, Any]:
     return place.counted(), place.outcome(verb, done.stdout)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def known(
     warm: Place, tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[[str], tuple[int, Any]]:
@@ -231,7 +231,10 @@ def known(
             folder = tmp_path_factory.mktemp("counted")
             forked = counted(warm.copy(folder / "forked"), verb)
             found[verb] = counted(replace(warm.copy(folder / "it"), forker=None), verb)
-            assert forked == found[verb]
+            assert forked[1] == found[verb][1]
+            # members of a sweep go to whichever process is free, which loads for itself
+            other = abs(forked[0] - found[verb][0])
+            assert other <= (0.05 * forked[0] if verb == "sweep" else 0)
         return found[verb]
 
     return of

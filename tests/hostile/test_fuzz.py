@@ -1,13 +1,14 @@
 """What readers are given is changed at random, from a kept corpus; they refuse or read.
 
 ``corpus/`` holds what was found, and the seeds; whatever is found joins it.  A minute
-per reader with ``--hostile``, as long as one likes with ``--fuzz-examples``.
+per reader with ``--hostile``, as long as one likes with ``--fuzz-seconds``.
 """
 
 import contextlib
 import json
 import re
 import subprocess
+import time
 import zipfile
 from collections.abc import Callable
 from fractions import Fraction
@@ -37,7 +38,7 @@ from orchestrator.toml import toml
 Fuzzed = Callable[[Any, Callable[[Any], None]], None]
 Damage = tuple[list[tuple[int, int]], int]  # bytes that are others, and a cut
 CORPUS = Path(__file__).parent / "corpus"
-EXAMPLES = 1500
+FEWEST = 100  # examples, or the machine is too slow to find anything
 GARBAGE = (
     *("", "abc", "nan", "inf", "-inf", "1e999", "1e999999999", "-1", "0", "1" * 2000),
     *("0x10", "1,5", "true", "\u0660", "1e-400", "1/0", "..", "a/b", "1 2 3", "\0"),
@@ -51,19 +52,36 @@ QUIET = settings(
 )
 
 
+class TimeIsUp(BaseException):
+    """Nothing that hypothesis would take for a finding."""
+
+
 @pytest.fixture
-def fuzzed(request: pytest.FixtureRequest) -> Fuzzed:
+def seconds(request: pytest.FixtureRequest) -> float:
+    return float(request.config.getoption("--fuzz-seconds"))
+
+
+@pytest.fixture
+def fuzzed(seconds: float, record_property: Callable[[str, object], None]) -> Fuzzed:
     """Give a check what a strategy draws, another sequence in every commit."""
-    asked = request.config.getoption("--fuzz-examples")
 
     def fuzz(strategy: Any, check: Callable[[Any], None]) -> None:
+        until, count = time.monotonic() + seconds, 0
+
         @seeded(seed())
-        @settings(QUIET, max_examples=asked or EXAMPLES)
+        @settings(QUIET, max_examples=10**9)
         @given(strategy)
         def tried(drawn: Any) -> None:
+            nonlocal count
+            if time.monotonic() > until:
+                raise TimeIsUp
             check(drawn)
+            count += 1
 
-        tried()
+        with contextlib.suppress(TimeIsUp):
+            tried()
+        record_property("told", f"{check.__qualname__.split('.')[0]}: {count} examples")
+        assert count >= FEWEST
 
     return fuzz
 
@@ -184,37 +202,75 @@ def states(model: str, tmp_path: Path, compiler: list[str]) -> Path | None:
     return program if done.returncode == 0 else None
 
 
+def libfuzzer(program: Path, seconds: float, longest: int) -> str:
+    """Let libFuzzer look for as long; return what it says at the end."""
+    number = int(sha256(seed().encode()).hexdigest()[:7], 16)
+    options = [f"-max_total_time={seconds:.0f}", f"-seed={number}", "-timeout=20"]
+    options += [f"-max_len={longest}", f"-artifact_prefix={program.parent}/"]
+    command = [program, *options, "-detect_leaks=1", "-print_final_stats=1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    return next(line for line in done.stderr.splitlines() if line.startswith("Done "))
+
+
 @pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
 def test_states_that_libfuzzer_finds_are_taken_or_refused(
-    model: str, tmp_path: Path, request: pytest.FixtureRequest
+    model: str,
+    tmp_path: Path,
+    seconds: float,
+    record_property: Callable[[str, object], None],
 ) -> None:
     needed("clang")
     sanitizers = "-fsanitize=fuzzer,address,undefined"
     program = states(model, tmp_path, ["clang", sanitizers, "-DLIBFUZZER"])
     if program is None:
         lacking("libFuzzer (libclang-rt-14-dev)")
-    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
-    number = int(sha256(seed().encode()).hexdigest()[:7], 16)
-    options = [f"-runs={tries}", f"-seed={number}", "-detect_leaks=1", "-timeout=20"]
-    command = [program, *options, "-max_len=96", f"-artifact_prefix={tmp_path}/"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[-3000:]
-    assert f"Done {tries} runs" in done.stderr
+    told = libfuzzer(program, seconds, longest=96)
+    record_property("told", f"states of {model}, libFuzzer: {told}")
+
+
+@pytest.mark.parametrize("what", ["kernel", "channel"])
+def test_whatever_an_fmu_returns_the_c_of_the_master_stays_sound(
+    what: str,
+    tmp_path: Path,
+    seconds: float,
+    record_property: Callable[[str, object], None],
+) -> None:
+    """Without this a Boolean of 255 is a number, and a count beyond its type."""
+    needed("clang")
+    command = ["clang", "-fsanitize=fuzzer,address,undefined", "-g", "-O1"]
+    command += ["-std=gnu11", "-Wall", "-Werror", "-fno-sanitize-recover=all"]
+    command += [str(CORPUS.with_name(f"{what}.c")), "-lm", "-o", str(tmp_path / what)]
+    if subprocess.run(command, check=False).returncode:
+        lacking("libFuzzer (libclang-rt-14-dev)")
+    told = libfuzzer(tmp_path / what, seconds, longest=400)
+    record_property("told", f"{what}, libFuzzer: {told}")
 
 
 @pytest.mark.parametrize("model", ["pi", "late", "spring_mass"])
 def test_serialised_states_are_taken_or_refused(
-    model: str, tmp_path: Path, request: pytest.FixtureRequest
+    model: str,
+    tmp_path: Path,
+    seconds: float,
+    record_property: Callable[[str, object], None],
 ) -> None:
     needed("gcc")  # which brings the sanitizers
     program = states(model, tmp_path, ["gcc", "-fsanitize=address,undefined"])
     assert program
-    tries = 20 * (request.config.getoption("--fuzz-examples") or 10 * EXAMPLES)
-    number = str(int(sha256(seed().encode()).hexdigest()[:8], 16))
-    done = subprocess.run(
-        [program, str(tries), number], capture_output=True, text=True, check=False
+    until, number = (
+        time.monotonic() + seconds,
+        int(sha256(seed().encode()).hexdigest()[:8], 16),
     )
-    assert done.returncode == 0, done.stderr[:3000]
-    told, taken = (int(word.split()[0]) for word in done.stdout.split(","))
-    assert told == tries
+    tries = taken = 0
+    while time.monotonic() < until or not tries:
+        done = subprocess.run(
+            [program, "50000", str(number + tries)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr[:3000]
+        told, took = (int(word.split()[0]) for word in done.stdout.split(","))
+        tries, taken = tries + told, taken + took
+    record_property("told", f"states of {model}: {tries} tries, {taken} taken")
     assert 0 < taken < tries

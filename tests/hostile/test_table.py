@@ -80,7 +80,7 @@ CASES = [
 ]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def metrics() -> dict[tuple[str, str, str], str]:
     """Return the kind of metric of every case; each kind has its turn."""
     kinds, order = sorted(METRICS), drawn("metrics")
