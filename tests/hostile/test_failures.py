@@ -56,6 +56,7 @@ VERBS = {
         "--keep-checkpoints",
     ],
     "export": ["export", "whole", "-o", "out.csv"],
+    "plot": ["plot", "whole", "pi.u", "-o", "out.html"],
 }
 FAILING = [verb for verb in VERBS if verb not in ("resume run", "kept")]
 POWER = 30
@@ -158,8 +159,9 @@ class Place:
         """Return what has to be the same, however often it is made."""
         if verb == "build":
             return (self.folder / "project/out/SmallPI.fmu").read_bytes()
-        if verb == "export":
-            return (self.folder / "project/out.csv").read_bytes()
+        if verb in ("export", "plot"):
+            name = "out.csv" if verb == "export" else "out.html"
+            return (self.folder / "project" / name).read_bytes()
         if verb in ("run", "checkpoint", "resume", "from"):
             folder = "cut" if verb == "resume" else "run"
             found = Result(self.folder / "project" / folder)["pi.u"].values
@@ -170,7 +172,8 @@ class Place:
     def clear(self) -> None:
         for name in ("out", "run", "swept"):
             shutil.rmtree(self.folder / "project" / name, ignore_errors=True)
-        (self.folder / "project" / "out.csv").unlink(missing_ok=True)
+        for file in ("out.csv", "out.html"):
+            (self.folder / "project" / file).unlink(missing_ok=True)
 
 
 @pytest.fixture(scope="session")
