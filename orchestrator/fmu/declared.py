@@ -75,7 +75,7 @@ def _declared(variable: Any, types: Mapping[str, Any]) -> Declared:
         said("quantity"),
         said("relativeQuantity") in ("true", "1"),
         tuple(
-            Item(item.get("name"), int(item.get("value", position)))
+            Item(item.get("name", ""), int(item.get("value", position)))
             for position, item in enumerate(items, 1)
         ),
         _starts(own),
@@ -151,6 +151,9 @@ def _ambiguous(root: Any) -> Iterator[str]:
             identifier = element.get("modelIdentifier", "")
             if set(identifier) & set("/\\:") or identifier in (".", ".."):
                 yield f"modelIdentifier {identifier!r} is a path, not a name"
+    for element in root.iterfind("ModelVariables/*"):
+        if isinstance(element.tag, str) and not element.get("name"):  # no comment
+            yield f"a {element.tag} of ModelVariables has no name"
     names = Counter(v.get("name") for v in _variables(root))
     twice = next((name for name, count in names.items() if count > 1), None)
     if twice is not None:

@@ -10,7 +10,7 @@ import re
 import subprocess
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from hashlib import sha256
 from io import BytesIO
@@ -35,7 +35,7 @@ from orchestrator.scenario.reading import scenario_from
 from orchestrator.system import Component, System
 from orchestrator.toml import toml
 
-Fuzzed = Callable[[Any, Callable[[Any], None]], None]
+Fuzzed = Callable[..., None]
 Damage = tuple[list[tuple[int, int]], int]  # bytes that are others, and a cut
 CORPUS = Path(__file__).parent / "corpus"
 FEWEST = 100  # examples, or the machine is too slow to find anything
@@ -63,9 +63,14 @@ def seconds(request: pytest.FixtureRequest) -> float:
 
 @pytest.fixture
 def fuzzed(seconds: float, record_property: Callable[[str, object], None]) -> Fuzzed:
-    """Give a check what a strategy draws, another sequence in every commit."""
+    """Give a check what is known, then what a strategy draws, another sequence in every
+    commit."""
 
-    def fuzz(strategy: Any, check: Callable[[Any], None]) -> None:
+    def fuzz(
+        strategy: Any, check: Callable[[Any], None], known: Iterable[Any] = ()
+    ) -> None:
+        for one in known:
+            check(one)
         until, count = time.monotonic() + seconds, 0
 
         @seeded(seed())
@@ -125,7 +130,7 @@ def test_descriptions_are_read_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> Non
         except FeedDriveError:
             pass
 
-    fuzzed(changed(seeds, r'(?<==")[^"]*(?=")|\w+="[^"]*"|<\w+'), check)
+    fuzzed(changed(seeds, r'(?<==")[^"]*(?=")|\w+="[^"]*"|<\w+'), check, seeds)
 
 
 def test_archives_are_unpacked_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
@@ -150,9 +155,7 @@ def test_archives_are_unpacked_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> Non
         except FeedDriveError:
             pass
 
-    for known in found:
-        check(known)
-    fuzzed(changes, check)
+    fuzzed(changes, check, found)
 
 
 def test_scenarios_are_read_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
@@ -167,7 +170,7 @@ def test_scenarios_are_read_or_refused(tmp_path: Path, fuzzed: Fuzzed) -> None:
             scenario_from(tables, file)
 
     spots = r'"[^"\n]*"|\b[\w.]+\b|[=\[\]{}]|\n'
-    fuzzed(changed(texts("scenarios"), spots), check)
+    fuzzed(changed(texts("scenarios"), spots), check, texts("scenarios"))
 
 
 def test_frames_are_read_or_damaged(fuzzed: Fuzzed) -> None:
@@ -183,7 +186,9 @@ def test_frames_are_read_or_damaged(fuzzed: Fuzzed) -> None:
         assert isinstance(kind, str)
         json.loads(text)
 
-    fuzzed(changed(seeds, r'"[^"]*"|[\d.]+|[\[\]{},:]|null|true') | st.text(), check)
+    fuzzed(
+        changed(seeds, r'"[^"]*"|[\d.]+|[\[\]{},:]|null|true') | st.text(), check, seeds
+    )
 
 
 def states(model: str, tmp_path: Path, compiler: list[str]) -> Path | None:

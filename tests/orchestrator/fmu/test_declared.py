@@ -111,6 +111,7 @@ AMBIGUOUS = {
     "reference of 2^32": (2, {"first": "4294967296"}, "valueReference '4294967296'"),
     "negative reference": (3, {"first": "-1"}, "valueReference '-1'"),
     "name twice": (3, {"names": ("k", "k")}, "two variables have the name 'k'"),
+    "no name": (3, {"names": ("", "k")}, "of ModelVariables has no name"),
     "path": (2, {"identifier": "../x"}, "modelIdentifier '../x' is a path"),
     "no size": (3, {"inside": '<Dimension start="0"/>'}, "a dimension of 0"),
     "negative size": (3, {"inside": '<Dimension start="-2"/>'}, "dimension of -2"),
