@@ -2,7 +2,7 @@
  * is printed, and puts legends into their panels where the screen is narrow. */
 "use strict";
 (() => {
-  const NARROW = 700, PAPER = { width: 680, height: 860 }; /* px of A4 */
+  const NARROW = 700, PAPER = { width: 680, height: 820 }; /* px, of A4 as of letter */
   const plots = () => [...document.querySelectorAll(".js-plotly-plot")];
   const legends = (plot) =>
     Object.keys(plot.layout).filter((key) => /^legend\d*$/.test(key));
