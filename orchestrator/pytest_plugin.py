@@ -57,7 +57,7 @@ def pytest_collect_file(
 
 def _expects(file: Path, seen: set[Path]) -> bool:
     """Tell whether a file is a scenario with expectations, its own or a base's."""
-    from orchestrator.toml import read_toml_text, toml
+    from orchestrator.scenario.toml import read_toml_text, toml
 
     seen.add(file)
     try:

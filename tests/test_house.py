@@ -3,6 +3,8 @@
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+MODELS = ("plants", "controllers")
+FLAT = 12  # files of a ground floor
 MOST = 350  # lines; a file that is longer holds two things
 SOURCES = {".py", ".c", ".h", ".css", ".js", ".md", ".toml"}
 NOT_OURS = ROOT / "fmus" / "native"  # the FMI headers stand there as published
@@ -25,6 +27,13 @@ def _as_published(file: Path) -> bool:
     library = {"vendor", "elkjs"} & set(file.parts)  # of others, with their licence
     figures = file.name in ("reference.toml", "figures.toml")
     return header or bool(library) or figures
+
+
+def test_ground_floors_stay_small() -> None:
+    """What lies flat in a package is what everybody uses; the rest has a room."""
+    flat = {p: len(list((ROOT / p).glob("*.py"))) for p in (*MODELS, "orchestrator")}
+    assert flat["orchestrator"] <= FLAT
+    assert sum(flat[p] for p in MODELS) <= FLAT
 
 
 def test_decisions_have_a_number_each() -> None:

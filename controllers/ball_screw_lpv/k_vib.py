@@ -13,8 +13,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from controllers._scheduled import period, run
-from controllers.ball_screw_lpv._table import Slopes, Table, at, table
-from controllers.ball_screw_lpv._table import prepare as slopes_of
+from controllers._scheduled_table import Slopes, Table, at, table
+from controllers._scheduled_table import prepare as slopes_of
 from fmus.data import read_data
 from fmus.model import FloatArray, Sampled, Var
 

@@ -12,13 +12,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from controllers._scheduled import period, run
-from controllers.ball_screw_lpv._table import (
+from controllers._scheduled_table import (
     Slopes,
     TableOfMass,
     at_mass,
     table_of_mass,
 )
-from controllers.ball_screw_lpv._table import prepare as slopes_of
+from controllers._scheduled_table import prepare as slopes_of
 from fmus.data import read_data
 from fmus.model import FloatArray, Sampled, Var
 

@@ -9,10 +9,10 @@ Source: Hanifzadegan 2014, fig. 4.1, sec. 4.3 and 4.5.
 
 from typing import Annotated, NamedTuple
 
+from controllers._scheduled_table import Slopes
 from controllers.ball_screw_lpv import _tracking, k_track
 from controllers.ball_screw_lpv import k_vib as k_v
 from controllers.ball_screw_lpv import observer as dob
-from controllers.ball_screw_lpv._table import Slopes
 from controllers.ball_screw_lpv._tracking import Output
 from fmus.model import Sampled, Var
 

@@ -8,9 +8,9 @@ Source: Hanifzadegan 2014, fig. 4.1 and 4.5.
 
 from typing import Annotated, NamedTuple
 
+from controllers._scheduled_table import Slopes
 from controllers.ball_screw_lpv import k_track, k_track_damped
 from controllers.ball_screw_lpv import k_vib as k_v
-from controllers.ball_screw_lpv._table import Slopes
 from controllers.ball_screw_lpv.lpv import Input
 from fmus.model import Sampled, Var
 

@@ -8,9 +8,9 @@ Source: Hanifzadegan 2014, fig. 5.1 with one region, sec. 5.2.
 
 from typing import Annotated, NamedTuple
 
+from controllers._scheduled_table import Slopes
 from controllers.ball_screw_lpv import _tracking, k_track, k_vib_one_region
 from controllers.ball_screw_lpv import observer as dob
-from controllers.ball_screw_lpv._table import Slopes
 from controllers.ball_screw_lpv._tracking import Output
 from fmus.model import Sampled, Var
 

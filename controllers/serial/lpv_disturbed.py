@@ -9,7 +9,7 @@ Source: Hanifzadegan 2014, sec. 7.1; the design is ``controllers.synthesis.seria
 from typing import Annotated, NamedTuple
 
 from controllers._scheduled import period
-from controllers.ball_screw_lpv._table import Table, table
+from controllers._scheduled_table import Table, table
 from controllers.serial import lpv
 from controllers.serial.lpv import Input, State
 from fmus.data import read_data

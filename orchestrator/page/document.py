@@ -17,7 +17,7 @@ from tomlkit.items import Comment, Table, Whitespace
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.scenario.inherit import REMOVABLE
 from orchestrator.scenario.reading import load_scenario, read_scenario
-from orchestrator.toml import read_toml_text, toml
+from orchestrator.scenario.toml import read_toml_text, toml
 
 KEPT = 50  # texts that can be had back
 

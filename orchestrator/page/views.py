@@ -23,7 +23,7 @@ from orchestrator.pictures.wiring import wiring_picture
 from orchestrator.scenario.compose import Composition
 from orchestrator.scenario.propose import lacking, proposal
 from orchestrator.scenario.reading import load_scenario, read_scenario
-from orchestrator.toml import read_toml_text
+from orchestrator.scenario.toml import read_toml_text
 
 Query: TypeAlias = Mapping[str, str]
 View: TypeAlias = Callable[[Query, bytes], Any]

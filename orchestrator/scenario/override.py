@@ -24,8 +24,8 @@ from typing import Any
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
 from orchestrator.scenario.sockets import plugged
+from orchestrator.scenario.toml import read_toml_text, toml
 from orchestrator.scenario.written import parse_setting
-from orchestrator.toml import read_toml_text, toml
 
 _TABLES = (
     *("rates", "design", "faults", "groups"),

@@ -29,8 +29,8 @@ from orchestrator.scenario.inherit import inherit
 from orchestrator.scenario.override import apply_override
 from orchestrator.scenario.schema import Specification
 from orchestrator.scenario.takeover import TABLES
+from orchestrator.scenario.toml import read_toml_text, toml
 from orchestrator.shown import Shown
-from orchestrator.toml import read_toml_text, toml
 
 STUDIES = Path(__file__).parents[1] / "studies"
 Swaps: TypeAlias = Mapping[str, Mapping[str, Any]]

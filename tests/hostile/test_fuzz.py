@@ -32,8 +32,8 @@ from orchestrator.instances.frames import Damaged, decode, encode
 from orchestrator.instances.logs import LogMessage
 from orchestrator.master.simulate import plan
 from orchestrator.scenario.reading import scenario_from
+from orchestrator.scenario.toml import toml
 from orchestrator.system import Component, System
-from orchestrator.toml import toml
 
 Fuzzed = Callable[..., None]
 Damage = tuple[list[tuple[int, int]], int]  # bytes that are others, and a cut

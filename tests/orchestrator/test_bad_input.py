@@ -17,7 +17,7 @@ from orchestrator.fmu.archive import MAX_TEXT
 from orchestrator.fmu.description import read_fmu
 from orchestrator.master.simulate import plan
 from orchestrator.scenario.reading import load_scenario, read_scenario
-from orchestrator.toml import toml
+from orchestrator.scenario.toml import toml
 
 pytest_plugins = ["pytester"]
 FMU = "plants.ball_screw.two_mass"
