@@ -15,6 +15,7 @@ from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run_earlier
 
 SMALL = Path(__file__).parents[1] / "fmus" / "small_models"
+INTEGRATOR = SMALL.parents[1] / "orchestrator" / "models" / "integrator.py"
 THREE_RATES = f"""
 stop = "1/10"
 [components.tone]
@@ -38,6 +39,25 @@ map = {{ y = {{ name = "y", gain = 2, unit = "V" }} }}
 "late.y" = "1/12000"
 "pi.u" = "1/12000"
 "tone.x_r" = "1/12000"
+"""
+CIRCLE = f"""
+stop = "1"
+[components.a]
+fmu = "{INTEGRATOR}"
+step = "1/10"
+parameters = {{ g = 0.5 }}
+start = {{ "state.x" = 1.0 }}
+[components.b]
+fmu = "{INTEGRATOR}"
+step = "1/10"
+parameters = {{ g = 0.5 }}
+start = {{ "state.x" = 2.0 }}
+[connections]
+"a.u" = "b.z"
+"b.u" = "a.z"
+[record]
+"a.z" = true
+"b.z" = true
 """
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wholes import THREE_RATES, Slave, composed, exported
+from wholes import CIRCLE, THREE_RATES, Slave, composed, exported
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
@@ -23,25 +23,6 @@ FAULTS = """
     { kind = "bias", value = 3, window = ["0.0201", "0.05"] },
 ]
 "pi.y" = { kind = "stuck", window = ["1/30", "0.07"] }
-"""
-CIRCLE = f"""
-stop = "1"
-[components.a]
-fmu = "{MODELS / "integrator.py"}"
-step = "1/10"
-parameters = {{ g = 0.5 }}
-start = {{ "state.x" = 1.0 }}
-[components.b]
-fmu = "{MODELS / "integrator.py"}"
-step = "1/10"
-parameters = {{ g = 0.5 }}
-start = {{ "state.x" = 2.0 }}
-[connections]
-"a.u" = "b.z"
-"b.u" = "a.z"
-[record]
-"a.z" = true
-"b.z" = true
 """
 
 

@@ -9,7 +9,7 @@ import pytest
 from effort import EFFORT
 from numpy.typing import NDArray
 from third_party import fmus_in
-from wholes import THREE_RATES
+from wholes import CIRCLE, THREE_RATES
 
 from fmus.subject import Fmi
 from orchestrator.exchange.whole.export import export_whole
@@ -21,25 +21,6 @@ from orchestrator.scenario.reading import load_scenario
 from orchestrator.session import run, run_earlier
 from orchestrator.system import Component, System
 
-CIRCLE = f"""
-stop = "1"
-[components.a]
-fmu = "{Path(__file__).parents[1] / "models" / "integrator.py"}"
-step = "1/10"
-parameters = {{ g = 0.5 }}
-start = {{ "state.x" = 1.0 }}
-[components.b]
-fmu = "{Path(__file__).parents[1] / "models" / "integrator.py"}"
-step = "1/10"
-parameters = {{ g = 0.5 }}
-start = {{ "state.x" = 2.0 }}
-[connections]
-"a.u" = "b.z"
-"b.u" = "a.z"
-[record]
-"a.z" = true
-"b.z" = true
-"""
 PAIR = """
 stop = "1/5"
 [components.one]
