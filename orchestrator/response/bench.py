@@ -16,6 +16,7 @@ from orchestrator.master.loaded import Loaded
 from orchestrator.master.schedule import rational_gcd
 from orchestrator.master.series import Series
 from orchestrator.master.simulate import plan
+from orchestrator.response.late import lateness
 from orchestrator.response.places import (
     broken_at,
     excited_at,
@@ -29,6 +30,7 @@ from orchestrator.system import Injection, System
 FIRST = 4  # periods of the first run
 
 Real = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 
 class Bench:
@@ -58,6 +60,9 @@ class Bench:
             )
             seen = [name for name, _ in self.observed]
             self.rates = rates_of_ways(composition.system, self.breaks, seen)
+        self.option = "break" if self.loops else "excite"
+        self.late = lateness(composition, self.rates)
+        self.links: Bools | None = None  # (observed, breaks), once ``linked`` says it
         self._names = tuple(
             dict.fromkeys(
                 [*(n for n, _ in self.observed), *(b.name for b in self.breaks)]

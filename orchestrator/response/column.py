@@ -1,32 +1,36 @@
 """One place excited: phasors of all that is observed, until they are sure.
 
-Periods are run until two agree, or differ by noise alone; with noise or distortion
-the same lines are excited again with other phases, twice as often each time, until
-the mean is sure to ``SURE`` of |S|.  Their spread is the coherence.
+Periods are run until all that can answer has, and two agree, or differ by noise alone
+(``settling``); with noise or distortion the same lines are excited again with other
+phases, twice as often each time, until the mean is sure to ``SURE`` of |S|.  Their
+spread is the coherence.
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ResponseError
-from orchestrator.response.bench import Bench
+from orchestrator.response.bench import FIRST, Bench
 from orchestrator.response.excitation import Form, Grid, Lines, folds, signal, spectra
+from orchestrator.response.settling import Periods
+from orchestrator.response.traced import linked, refuse_growth
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-AGREED = 1e-7  # of the rms of a period, from one to the next
 MOST = 64  # periods of one run
+ROUNDS = 8  # times an answer may go round in one run, if these are more periods
 LINEAR = 1e-6  # distortion below which one realisation is all
 SURE = 0.004  # standard error of S, of its size: 0.035 dB
 FAINT = 0.01  # of the largest |Q|: what is smaller need not be as sure
 REALISATIONS = 16
-MIN, EVEN = 4, 1.3  # ratio of differences from period to period that are noise alone
-FINE, UNEVEN = 1e-5, 3.0  # and of differences as small as that, which are round-off
-ROUND_OFF = 1e-12  # of a signal, that its difference to another run may be
-HUGE = 1e50  # no signal of a stable loop
+
+
+class Unanswered(ResponseError):
+    """Nothing of what is injected arrives where it is observed."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,7 @@ def column(
 
     Raises:
         ResponseError: the loop does not settle.
+        Unanswered: nothing arrives, though by the equations it may.
     """
     if form == "stepped":
         return _stepped(bench, excited, lines, shape, rms)
@@ -93,20 +98,19 @@ class _Pass:
 def _pass(bench: Bench, excited: int, lines: Grid, d: Real) -> _Pass:
     given: list[Real | None] = [None] * len(bench.breaks)
     given[excited] = d
-    periods, settled = bench.periods, -1
-    while settled < 0:
+    settled = None
+    periods = max(bench.periods, FIRST)
+    while settled is None:
         values = bench.responses(given, periods)
-        of_periods = values.reshape(len(bench.observed), periods, lines.n)
-        quiet = bench.twin(lines.n, periods)
-        settled = _settled(of_periods, quiet, last=periods >= MOST)
+        found = _periods(bench, values, lines.n)
         bench.periods = periods
-        if settled < 0 and periods >= MOST:
-            raise ResponseError(
-                f"break {bench.breaks[excited].name}: after {periods} periods of "
-                f"{float(lines.n * bench.rates.T):g} s its loop has not settled; it is "
-                f"unstable, or slower than that: give a lower --from"
-            )
+        if found.finite and _answered(bench, excited, found):
+            settled = found.steady(last=periods >= _most(found.late))
+        if settled is None and periods >= _most(found.late):
+            refuse_growth(bench, lines.n * bench.rates.T)
+            raise ResponseError(_unsettled(bench, excited, found))
         periods *= 2
+    values[found.silent] = 0
     rest = values[:, settled * lines.n :]
     slow = bench.rates.slow
     aliased = folds(lines.excited, lines.n, slow) if slow > 1 else lines.excited[:0]
@@ -131,39 +135,56 @@ def _share(values: Real, n: int, of: Lines, among: Lines) -> float:
     return float(np.sqrt(size[0] / size[1])) if size[1] else 0.0
 
 
-def _scaled(values: Real, quiet: Real) -> Real:
-    """Return responses (observed, periods, n), each by its own size where it has one.
+def _periods(bench: Bench, values: Real, n: int) -> Periods:
+    shape = len(bench.observed), -1, n
+    quiet = bench.twin(n, values.shape[1] // n)
+    late = ceil(bench.late.seconds / (n * bench.rates.T))
+    return Periods(values.reshape(shape), quiet.reshape(shape), late)
 
-    What is but round-off of what is there without injection (observed, rows) is none.
+
+def _most(late: int) -> int:
+    return max(MOST, ROUNDS * late)
+
+
+def _answered(bench: Bench, excited: int, found: Periods) -> bool:
+    """Whether all that is observed has answered that may, in the time it may need.
+
+    Raises:
+        Unanswered: that time is over, and nothing has.
     """
-    size = np.sqrt(np.mean(values[:, -1] ** 2, axis=1))
-    round_off = ROUND_OFF * np.max(np.abs(quiet), axis=1)
-    scaled: Real = values / np.where(size > round_off, size, np.inf)[:, None, None]
-    return scaled
+    if not np.any(found.silent):
+        return True
+    periods, n = found.values.shape[1:]
+    links = linked(bench, periods * n * bench.rates.T)[:, excited]
+    if not np.any(found.silent & links):
+        return True
+    waited = periods >= (found.late + FIRST if bench.late.whole else _most(found.late))
+    if waited and np.all(found.silent):
+        raise Unanswered(_nothing(bench, excited, found))
+    return periods >= found.late + FIRST and not np.all(found.silent)
 
 
-def _settled(values: Real, quiet: Real, *, last: bool) -> int:
-    """Return how many of the periods (observed, periods, n) are transient, else -1.
+def _nothing(bench: Bench, excited: int, found: Periods) -> str:
+    periods, n = found.values.shape[1:]
+    where = ", ".join(name for name, _ in bench.observed)
+    return (
+        f"{bench.option} {bench.breaks[excited].name}: nothing of what is injected "
+        f"arrives at {where} within {periods} periods of "
+        f"{float(n * bench.rates.T):g} s; is a gain on the way 0, or the dead time "
+        f"longer (give a lower --from), or too little injected for a step of a "
+        f"quantiser (give a larger --amplitude)?"
+    )
 
-    Settled are periods that agree, or differ by what does not grow any more; the
-    ``last`` try takes these whatever their differences do, if they are small.
-    """
-    if not np.max(np.abs(values[:, -1])) < HUGE:
-        return -1
-    values = _scaled(values, quiet)
-    size = np.sqrt(np.mean(values[:, -1] ** 2))
-    if size == 0:
-        return 0
-    apart = np.sqrt(np.mean(np.diff(values, axis=1) ** 2, axis=(0, 2)))
-    late = np.flatnonzero(apart > max(AGREED * size, 2 * apart[-1]))
-    first = int(late[-1]) + 2 if len(late) else 1
-    if apart[-1] <= AGREED * size:
-        return first
-    tail = apart[len(apart) // 2 :]
-    ratio = UNEVEN if np.max(tail) < FINE * size else EVEN
-    even = len(apart) >= MIN and np.max(tail) <= ratio * np.min(tail)
-    noise = apart[-1] < size / 2 and first <= len(apart) // 2
-    return first if noise and (even or last) else -1
+
+def _unsettled(bench: Bench, excited: int, found: Periods) -> str:
+    periods, n = found.values.shape[1:]
+    what = "what grows is unstable: look at the signs and sizes of gains"
+    if not found.growing:
+        what = "it is unstable, or slower than that: give a lower --from"
+    return (
+        f"{bench.option} {bench.breaks[excited].name}: after {periods} periods of "
+        f"{float(n * bench.rates.T):g} s its loop has not settled; {what}"
+    )
 
 
 def _whole(found: list[_Pass], own: int | None) -> Column:

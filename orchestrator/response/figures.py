@@ -168,6 +168,7 @@ def words(found: Measured) -> Iterator[str]:
         f"{found.settled} periods of {float(found.period):g} s settling, realisations: "
         f"{found.realisations}"
     )
+    yield from found.silent
     yield f"distortion {100 * found.distortion:.2g} % of what answers"
     if isinstance(found, Transfer):
         yield from _of_ways(found)

@@ -16,6 +16,7 @@ Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 
 
+TINY = 1e-300  # of a magnitude whose logarithm is taken
 FAR = np.log(1e3)  # a gain by which nothing is multiplied
 
 
@@ -76,7 +77,7 @@ class Margins:
 
 def margins(hz: Real, L: Complex) -> Margins:
     """Return the margins of L (n,) at the lines ``hz`` (n,), ascending."""
-    size, phase = np.log(np.abs(L)), np.unwrap(np.angle(L))
+    size, phase = np.log(np.maximum(np.abs(L), TINY)), np.unwrap(np.angle(L))
     x = np.log(hz)
     crossovers = tuple(
         Crossover(float(np.exp(f)), _half_turn(180 + np.degrees(p)))

@@ -10,7 +10,7 @@
    value to the next line.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from orchestrator.errors import ResponseError
 from orchestrator.response.bench import Bench, bench
-from orchestrator.response.column import Column, column
+from orchestrator.response.column import Column, Unanswered, column
 from orchestrator.response.excitation import Form, Grid, grid
 from orchestrator.response.measured import Response, Transfer
+from orchestrator.response.traced import linked, refuse_growth
 from orchestrator.scenario.compose import Composition
 
 Real = NDArray[np.float64]
@@ -59,10 +60,12 @@ def measure(
     and repetitions.
 
     Raises:
-        ResponseError: no such loop, or it does not settle.
+        ResponseError: no such loop, it does not settle or is unstable by its
+            equations, or nothing of what is injected comes back.
     """
     with bench(composition, breaks) as at:
         return _resolved(
+            at,
             lowest,
             form,
             lambda low: _Measurement(at, low, form, quick).response(amplitude),
@@ -86,23 +89,28 @@ def measure_transfer(
     each input.
 
     Raises:
-        ResponseError: no such signals, no way between them, or it does not settle.
+        ResponseError: no such signals, no way between them, it does not settle or is
+            unstable by its equations, or nothing of what is injected arrives.
     """
     with bench(composition, excited, observed) as at:
         return _resolved(
+            at,
             lowest,
             form,
             lambda low: _Measurement(at, low, form, quick).transfer(amplitude),
         )
 
 
-def _resolved(lowest: Fraction, form: Form, measured: Callable[[Fraction], M]) -> M:
+def _resolved(
+    at: Bench, lowest: Fraction, form: Form, measured: Callable[[Fraction], M]
+) -> M:
     """Measure with lower and lower lines until the largest value is resolved."""
     for _ in range(FINER):
         found = measured(lowest)
         if found.resolved or found.distortion > ROUGH or form == "stepped":
             break
         lowest /= 2
+    refuse_growth(at, found.ended)
     return found
 
 
@@ -187,7 +195,23 @@ class _Measurement:
                 float(periods * self._period),
                 float((periods + 1) * self._period),
             ),
+            "silent": tuple(self._silent(found)),
         }
+
+    def _silent(self, found: Sequence[Column]) -> Iterator[str]:
+        """Yield where nothing of what is injected arrives, in words."""
+        at = self._bench
+        for j, c in enumerate(found):
+            for i in np.flatnonzero(np.all(c.Q == 0, axis=0)):
+                why = (
+                    f"within {at.periods} periods of {float(self._period):g} s"
+                    if linked(at, self._period)[i, j]
+                    else "and by the models' equations nothing can"
+                )
+                yield (
+                    f"nothing of what is injected at {at.breaks[j].name} arrives at "
+                    f"{at.observed[i][0]}, {why}: it is 0 there"
+                )
 
     def _size(self, c: Column, i: int) -> Real:
         """Return how large what is to be sure is: |S|, or the largest share of |G|."""
@@ -221,7 +245,7 @@ class _Measurement:
         """
         moved = float(np.ptp(self._bench.levels(self._n, 1)[i]))
         size = moved / 50 or self._declared(i)
-        first = self._column(i, lines, shape, size, 1)
+        size, first = self._heard(i, lines, shape, size, moved)
         if not moved and not self._bench.loops:
             size *= self._more(first, size)
             first = self._column(i, lines, shape, size, 1)
@@ -237,6 +261,22 @@ class _Measurement:
                     break
                 size, best = tried, now
         return size
+
+    def _heard(
+        self, i: int, lines: Grid, shape: Real, size: float, most: float
+    ) -> tuple[float, Column]:
+        """Return the first amplitude that is answered, and what that is.
+
+        What is less than a step of a quantiser has no answer.
+        """
+        for _ in range(STEPS):
+            try:
+                return size, self._column(i, lines, shape, size, 1)
+            except Unanswered:
+                if most and STEP * size > most:
+                    raise
+            size *= STEP
+        return size, self._column(i, lines, shape, size, 1)
 
     def _more(self, first: Column, rms: float) -> float:
         """Return how many times more makes something observed move by ``MOVED``."""

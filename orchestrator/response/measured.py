@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from orchestrator.quantities.unit import UndefinedUnit, Unit, quotient_unit, unit_of
-from orchestrator.response.margins import Margins, margins, peak
+from orchestrator.response.margins import TINY, Margins, margins, peak
 from orchestrator.shown import Shown
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 RESOLVED = 0.9
-TINY = 1e-300  # of a magnitude whose logarithm is taken
 FALLEN = 1 / np.sqrt(2)  # of the gain at the lowest line, where a bandwidth ends
 
 
@@ -26,7 +25,8 @@ class Measured(Shown):
 
     ``breaks`` are the places that were excited, with their ``units``; ``half`` is the
     largest relative difference at half the ``amplitude``; ``range`` (m, 2) is between
-    what values the breaks were without injection, while it was ``measured`` (s).
+    what values the breaks were without injection, while it was ``measured`` (s);
+    ``silent`` says in words where nothing of it arrives.
     """
 
     breaks: tuple[str, ...]
@@ -45,6 +45,13 @@ class Measured(Shown):
     slower: str | None
     range: Real
     measured: tuple[float, float]
+    silent: tuple[str, ...] = ()
+
+    @property
+    def ended(self) -> Fraction:
+        """When (s) it was measured to, exactly."""
+        return (self.settled + 1) * self.period
+
     PAGE = "orchestrator.response.notebook:write_measured"
 
 

@@ -27,6 +27,7 @@ from orchestrator.response.window import Window
 from orchestrator.scenario.compose import Composition
 
 Real = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 Complex = NDArray[np.complex128]
 
 
@@ -78,25 +79,67 @@ def traced(composition: Composition, found: Measured) -> Traced:
     """
     observed = found.observed if isinstance(found, Transfer) else None
     with bench(composition, found.breaks, observed) as at:
-        _refuse_what_is_not_ours(composition, at)
-        t = Fraction(found.measured[1])
-        points = _points(composition, at, t)
-        n = int(at.rates.whole / at.rates.T)
-        ones = [np.ones(n)] * len(at.breaks)
-        wiring = plan(at.system(ones, n, 1)).wiring
-        parts = {
-            name: Linear(
-                wiring.parts[name],
-                load_model(composition.module(name)),
-                points[name],
-            )
-            for name in at.rates.way
-        }
-        _refuse_no_slope(parts)
-        settled = 2 + ceil(max(p.late for p in parts.values()) / at.rates.whole)
-        timetable = plan(at.system(ones, n, settled + 3))
-        window = Window(at, timetable, parts, settled)
-        return Traced(float(t), window.response(found.hz))
+        t = found.ended
+        return Traced(float(t), hyperperiod(at, t).response(found.hz))
+
+
+def hyperperiod(at: Bench, t: Fraction) -> Window:
+    """Return the equations of a bench over a hyperperiod, linearised at t (s).
+
+    Raises:
+        ResponseError: as of ``traced``.
+    """
+    composition = at.composition
+    _refuse_what_is_not_ours(composition, at)
+    points = _points(composition, at, t)
+    n = int(at.rates.whole / at.rates.T)
+    ones = [np.ones(n)] * len(at.breaks)
+    wiring = plan(at.system(ones, n, 1)).wiring
+    parts = {
+        name: Linear(
+            wiring.parts[name], load_model(composition.module(name)), points[name]
+        )
+        for name in at.rates.way
+    }
+    _refuse_no_slope(parts)
+    settled = 2 + ceil(max(p.late for p in parts.values()) / at.rates.whole)
+    timetable = plan(at.system(ones, n, settled + 3))
+    return Window(at, timetable, parts, settled)
+
+
+def linked(at: Bench, t: Fraction) -> Bools:
+    """Return what equations, linearised at t (s), lead from where to where.
+
+    (observed, breaks); where there are no equations anything may be.
+    """
+    if at.links is None:
+        try:
+            at.links = hyperperiod(at, t).linked()
+        except ResponseError:
+            at.links = np.ones((len(at.observed), len(at.breaks)), bool)
+    return at.links
+
+
+def refuse_growth(at: Bench, t: Fraction) -> None:
+    """Refuse a bench whose equations, linearised at t (s), have a mode that grows.
+
+    Where there are no equations nothing is said.
+
+    Raises:
+        ResponseError: it grows; it says how fast.
+    """
+    try:
+        found = hyperperiod(at, t).growth()
+    except ResponseError:
+        return
+    if found is None:
+        return
+    names = ", ".join(b.name for b in at.breaks)
+    raise ResponseError(
+        f"{at.option} {names}: unstable, so it has no response: by the models' "
+        f"equations, linearised at {float(t):g} s, a mode {found}; look at the signs "
+        f"and sizes of the gains on the way ({', '.join(sorted(at.rates.way))})"
+    )
 
 
 def _refuse_no_slope(parts: Mapping[str, Linear]) -> None:

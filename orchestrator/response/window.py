@@ -22,8 +22,10 @@ from orchestrator.master.layout import Part
 from orchestrator.master.timetable import Op, Timetable
 from orchestrator.response.bench import Bench
 from orchestrator.response.linear import Line, Linear
+from orchestrator.response.modes import Growth, growth
 
 Real = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 Complex = NDArray[np.complex128]
 
 MOST = 4000  # unknowns
@@ -119,6 +121,22 @@ class Window:
             y = C @ x + D @ turns
             found.append(np.tensordot(turns.conj(), y, 1) / P)
         return np.array(found)
+
+    def growth(self) -> Growth | None:
+        """Return the mode that grows fastest, None if none does."""
+        return growth(self._x[:, : len(self._x)], float(self._bench.rates.whole))
+
+    def linked(self) -> Bools:
+        """Return whether anything leads to what is observed, (observed, breaks)."""
+        n, m = len(self._x), len(self._bench.breaks)
+        P = self._whole // self._T
+        A, C = self._x[:, :n] != 0, np.any(self._y[:, :, :n] != 0, axis=0)
+        B = np.any(self._x[:, n:].reshape(n, m, P) != 0, axis=2)
+        D = np.any(self._y[:, :, n:].reshape(P, -1, m, P) != 0, axis=(0, 3))
+        while not np.array_equal(B, more := B | (A @ B)):
+            B = more
+        found: Bools = D | (C @ B)
+        return found
 
     def _matrices(self) -> tuple[Real, Real]:
         """Return x and y of the contract above, over what matters of x and over d."""

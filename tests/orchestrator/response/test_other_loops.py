@@ -8,18 +8,22 @@ from zipfile import ZipFile
 import control as ct
 import numpy as np
 import pytest
+from lag_loop import lag_loop, of_others
 from measured_loops import composed, decibels, degrees
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from controllers.synthesis.frequency import evaluate
 from controllers.synthesis.gantry.loops import sampled_loop
 from controllers.synthesis.linearise import linearise
 from controllers.synthesis.multivariable import respond
 from controllers.xy_table import p_pi
+from orchestrator.errors import ResponseError
 from orchestrator.response.bench import bench
 from orchestrator.response.excitation import Form, spectra
 from orchestrator.response.figures import to_frd, words
-from orchestrator.response.measure import measure
+from orchestrator.response.measure import measure, measure_transfer
+from orchestrator.response.modes import growth
 from orchestrator.response.traced import beside
 from plants.xy_table import axis
 
@@ -171,3 +175,73 @@ def test_a_foreign_fmus_loop_is_measured_as_its_own_models_is(tmp_path: Path) ->
     traced, told = beside(there, both[1])
     assert traced is None
     assert "plant is theirs.fmu, whose equations are not known here" in told
+
+
+LATE = ["controller.latency=300", "controller.K=0.1"]  # 4.8 periods of 1/16 s
+
+
+@pytest.mark.parametrize("foreign", [False, True])
+def test_an_answer_that_is_not_there_yet_is_waited_for(
+    foreign: bool, tmp_path: Path
+) -> None:
+    """Four periods of silence are no L = 0, nor is the first time round all of it."""
+    ours = lag_loop(tmp_path, *LATE)
+    loop = of_others(ours, "plant", tmp_path) if foreign else ours
+    found = measure(loop, ["controller.u"], lowest=Fraction(16), quick=True)
+    equations, told = beside(ours, found)
+    assert equations is not None, told
+    assert np.allclose(found.S, 1 + equations.G, atol=1e-6)
+    way = measure_transfer(
+        loop, ["plant.u"], ["controller.u"], lowest=Fraction(16), quick=True
+    )
+    assert np.allclose(way.G, equations.G, atol=1e-6)
+
+
+def test_a_gain_of_zero_is_told_and_what_never_comes_is_refused(tmp_path: Path) -> None:
+    ours = lag_loop(tmp_path, "controller.K=0")
+    found = measure(ours, ["controller.u"], lowest=Fraction(16))
+    assert np.all(found.L == 0)
+    assert any("by the models' equations nothing can" in line for line in words(found))
+    with pytest.raises(ResponseError, match="nothing of what is injected arrives at"):
+        measure(
+            of_others(ours, "plant", tmp_path), ["controller.u"], lowest=Fraction(16)
+        )
+
+
+@pytest.mark.parametrize("foreign", [False, True])
+@pytest.mark.parametrize("K", [-1.2, -1.01, -1.001])
+def test_a_loop_whose_differences_grow_from_period_to_period_has_no_margins(
+    K: float, foreign: bool, tmp_path: Path
+) -> None:
+    """A pole at about s = (-K - 1)/T, the slowest of which takes long to be large."""
+    ours = lag_loop(tmp_path, f"controller.K={K}")
+    loop = of_others(ours, "plant", tmp_path) if foreign else ours
+    rate = np.log(1 - (K + 1) * (1 - np.exp(-0.1))) / 1e-3
+    told = "unstable" if foreign else f"grows by {rate:.3g} 1/s"
+    with pytest.raises(ResponseError, match=told):
+        measure(loop, ["controller.u"], lowest=Fraction(16), amplitude=0.1, quick=True)
+
+
+def test_what_stays_as_large_as_it_is_does_not_grow() -> None:
+    """Integrators one behind another, a free oscillation, and a long delay."""
+    turn = np.array([[0.6, 0.8], [-0.8, 0.6]])
+    whole = block_diag(np.eye(3) + np.eye(3, k=1), turn, np.eye(90, k=-1))
+    skew = np.linalg.qr(np.random.default_rng(1).normal(size=whole.shape))[0]
+    assert growth(whole, 1e-3) is None
+    assert growth(skew @ whole @ skew.T, 1e-3) is None
+    found = growth(block_diag(whole, 1.00001 * turn), 1e-3)
+    assert found is not None
+    assert found.rate == pytest.approx(0.01, rel=1e-3)
+    assert found.hz == pytest.approx(np.arccos(0.6) / (2 * np.pi * 1e-3))
+
+
+def test_equations_stand_beside_lines_whose_period_is_no_binary_number(
+    tmp_path: Path,
+) -> None:
+    """A period of 63/1000 s, twice: as a float it is no multiple of a sample."""
+    loop = lag_loop(tmp_path)
+    found = measure(loop, ["controller.u"], lowest=Fraction(16), quick=True)
+    assert found.ended == (found.settled + 1) * Fraction(63, 1000)
+    equations, told = beside(loop, found)
+    assert equations is not None, told
+    assert np.allclose(found.S, 1 + equations.G, atol=1e-6)
