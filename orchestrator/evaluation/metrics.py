@@ -38,6 +38,7 @@ from orchestrator.evaluation.schema import (
     StepMetric,
     SustainedMetric,
 )
+from orchestrator.evaluation.sine import Sine
 from orchestrator.evaluation.spectrum import spectrum_line, strongest_line
 from orchestrator.quantities.quantity import (
     NoValue,
@@ -67,9 +68,10 @@ def evaluate(
 ) -> dict[str, Quantity]:
     """Return all figures ``<metric>.<figure>`` of a run.
 
-    ``parameter`` returns the value and unit of a ``component.parameter``.  Of a run
-    that ``ended`` early, metrics have no value whose window was not reached, and of
-    one that was ``begun`` at a later time than 0 (s) none whose window begins before.
+    ``parameter`` returns the value and unit of a ``component.parameter``.  Metrics have
+    no value whose window was not reached, of a run that ``ended`` early or stops before
+    the window's last row, and of one that was ``begun`` at a later time than 0 (s)
+    none whose window begins before.
 
     Raises:
         ScenarioError: a signal is not recorded, grids or units do not fit, a
@@ -105,11 +107,27 @@ def _while(
         why = f"its window begins at {float(start):g} s, the run at {float(begun):g} s"
     elif ended is not None and end > ended.at:
         why = f"its window until {float(end):g} s was not reached: {ended}"
+    elif (last := _cut(taken(spec, signals)["of"], start, end)) is not None:
+        why = (
+            f"its window ends at {float(end):g} s, the rows at {last:g} s; set stop to "
+            f"{float(end):g} or later"
+        )
     else:
         return _figures(spec, signals, parameter)
     whole = spec.model_copy(update={"window": None})  # for the figures' names
     found = _figures(whole, signals, parameter)
     return {key: NoValue(figure.unit, why=why) for key, figure in found.items()}
+
+
+def _cut(signal: Signal, start: Fraction, end: Fraction) -> float | None:
+    """Return the time (s) of the last row if there would be more up to the window's
+    end; a window after all rows is refused elsewhere."""
+    time = signal.time
+    if len(time) < 2 or time[-1] < float(start):
+        return None
+    following = 2 * time[-1] - time[-2]
+    slack = 1e-6 * (time[-1] - time[-2])
+    return float(time[-1]) if following <= float(end) + slack else None
 
 
 def _in_range(figure: Quantity) -> Quantity:
@@ -235,18 +253,12 @@ def _figures(
     hertz = frequency.to("Hz").value if frequency.unit != "1" else frequency.value
     if isinstance(spec, SpectrumMetric):
         return spectrum_line(time, y, hertz, unit)
-    amplitude = Quantity(abs(c := sine_fit(time, y, hertz)), unit)
+    assert isinstance(spec, SineMetric)
     if "against" not in found:
-        return {"amplitude": amplitude, "phase": _phase(c)}
+        return Sine(time, y, hertz, unit).figures()
     against = found["against"]
-    base = sine_fit(time, against.values[rows], hertz)
-    of_both = quotient_unit(unit, unit_of(against.unit).of_difference())
-    if base == 0:
-        why = f"{against.name} has no component at {hertz:g} Hz"
-        none = NoValue(of_both, why=why)
-        return {"ratio": none.to(spec.unit), "phase": NoValue("deg", why=why)}
-    ratio = Quantity(abs(c / base), of_both)
-    return {"ratio": ratio.to(spec.unit), "phase": _phase(c / base)}
+    base = Sine(time, against.values[rows], hertz, unit_of(against.unit))
+    return Sine(time, y, hertz, unit).over(base, spec.unit, against.name)
 
 
 _PLAIN: dict[str, Callable[[Array], float]] = {
@@ -292,18 +304,6 @@ def settling(time: Array, y: Array, band: float, unit: str) -> dict[str, Quantit
         "peak": Quantity(float(size[top]), unit),
         "peak_time": Quantity(float(time[top]), "s"),
     }
-
-
-def sine_fit(time: Array, y: Array, hertz: float) -> complex:
-    """Return the complex amplitude c of y ~ Im(c exp(j w t)) + mean, least squares."""
-    angle = 2 * np.pi * hertz * time
-    columns = np.column_stack([np.sin(angle), np.cos(angle), np.ones_like(time)])
-    (real, imaginary, _), *_ = np.linalg.lstsq(columns, y, rcond=None)
-    return complex(real, imaginary)
-
-
-def _phase(c: complex) -> Quantity:
-    return Quantity(float(np.angle(c, deg=True)), "deg")
 
 
 def _rows(spec: MetricSpec, signal: Signal) -> slice:

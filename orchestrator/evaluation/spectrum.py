@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.quantities.unit import Unit
 
+FEWEST = 3  # rows that determine a sine and a mean
+
 Array: TypeAlias = NDArray[np.float64]
 
 
@@ -18,12 +20,33 @@ def spectrum_line(
 
     One-sided, Hann window, amplitude of the equivalent sine; rows equally spaced.
     """
+    if why := unseen(time, hertz):
+        none = NoValue(unit, why=why)
+        return {"amplitude": none, "frequency": NoValue("Hz", why=why)}
     lines, power = _spectrum(time, y)
     nearest = int(np.argmin(np.abs(lines - hertz)))
     return {
         "amplitude": Quantity(float(np.sqrt(2 * power[nearest])), unit),
         "frequency": Quantity(float(lines[nearest]), "Hz"),
     }
+
+
+def unseen(time: Array, hertz: float) -> str | None:
+    """Return why rows at these times (s) show no sine of ``hertz``, if they do not.
+
+    From half their rate on they would show another frequency's, its alias.
+    """
+    if not hertz > 0:
+        return f"{hertz:g} Hz is no frequency of a sine"
+    if len(time) < FEWEST:
+        return f"{len(time)} rows are too few for a sine and a mean"
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    if hertz < rate / 2 * (1 - 1e-9):
+        return None
+    return (
+        f"{hertz:g} Hz is not below half the rate of its rows, {rate:g} Hz; record "
+        f"them at more than {2 * hertz:g} Hz"
+    )
 
 
 def amplitudes(time: Array, y: Array) -> tuple[Array, Array]:
@@ -43,6 +66,12 @@ def strongest_line(
     The frequency is the vertex of a parabola through the logarithms of the line and
     its neighbours.  A band in which the spectrum has no top has no line.
     """
+    if len(time) < FEWEST:
+        why = f"{len(time)} rows are too few for a line"
+        return {
+            "amplitude": NoValue(unit, why=why),
+            "frequency": NoValue("Hz", why=why),
+        }
     lines, power = _spectrum(time, y)
     tops = 1 + np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:]))
     tops = tops[(lines[tops] >= band[0]) & (lines[tops] <= band[1])]

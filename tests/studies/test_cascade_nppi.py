@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from simulated import Co
 
-from orchestrator.evaluation.metrics import sine_fit
+from orchestrator.evaluation.sine import sine_fit
 from orchestrator.reproduction.reproduce import reproduce
 from orchestrator.session import run
 

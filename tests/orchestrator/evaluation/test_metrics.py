@@ -132,6 +132,42 @@ def test_the_ratio_of_two_sines_is_gain_and_phase():
     assert both["m.phase"] == Quantity(pytest.approx(np.degrees(-0.7)), "deg")
 
 
+@pytest.mark.parametrize("hertz", [950.0, 500.0, 0.0, -50.0])
+@pytest.mark.parametrize("kind", ["sine", "spectrum"])
+def test_rows_show_no_sine_of_half_their_rate_or_more_nor_of_none(kind, hertz):
+    """At 1 kHz, 950 Hz has the rows of 50 Hz."""
+    signals = {"plant.x": signal(1.0 + np.sin(2 * np.pi * 50.0 * TIME))}
+    signals["u.y"] = signals["plant.x"]
+    metric = {"kind": kind, "of": "plant.x", "frequency_hz": hertz}
+    for one in (metric, metric | {"against": "u.y"})[: 2 if kind == "sine" else 1]:
+        found = figures(one, signals)
+        assert all(isinstance(figure, NoValue) for figure in found.values())
+        assert all(f"{hertz:g} Hz is" in figure.why for figure in found.values())
+
+
+def test_two_rows_determine_no_sine_and_no_line():
+    metric = {"of": "plant.x", "window": [0, "1/1000"]}
+    sine = {"kind": "sine", "frequency_hz": 50.0}
+    for kind in (sine, sine | {"kind": "spectrum"}):
+        found = figures(metric | kind, {"plant.x": signal(TIME)})
+        assert "2 rows are too few" in found["m.amplitude"].why
+    band = {"kind": "spectrum", "band_hz": [10, 100]}
+    found = figures(metric | band, {"plant.x": signal(TIME)})
+    assert "2 rows are too few" in found["m.amplitude"].why
+
+
+@pytest.mark.parametrize(("end", "whole"), [("2", True), ("2.0009", True), (5, False)])
+def test_a_window_that_ends_after_the_rows_has_no_value(end, whole):
+    """The last row is at 2 s, one each ms: until 2.0009 s there is no other."""
+    metric = {"kind": "mean", "of": "plant.x", "window": ["0.5", end]}
+    found = figures(metric, {"plant.x": signal(TIME)})["m.mean"]
+    if whole:
+        assert found == Quantity(pytest.approx(1.25), "rad")
+    else:
+        why = "its window ends at 5 s, the rows at 2 s; set stop to 5 or later"
+        assert found == NoValue("rad", why=why)
+
+
 def test_a_spectral_line_has_the_amplitude_of_its_sine():
     signals = {"plant.x": signal(0.5 * np.sin(2 * np.pi * 43.0 * TIME) + 2.0)}
     metric = {"kind": "spectrum", "of": "plant.x", "frequency_hz": 43.0}
