@@ -45,7 +45,7 @@ def response(
         str, typer.Option(help='rms of what is injected, "0.1 V" [auto]')
     ] = "auto",
     lowest: Annotated[
-        str, typer.Option("--from", metavar="HZ", help="lowest line, e.g. 0.5 Hz")
+        str, typer.Option("--from", metavar="HZ", help="lowest line, 0.5 or 0.5 Hz")
     ] = "1 Hz",
     excitation: Annotated[
         str, typer.Option(help="multisine, chirp or stepped (one sine at a time)")
@@ -54,7 +54,11 @@ def response(
     swap: Swaps = [],  # noqa: B006
     map: Maps = [],  # noqa: B006
     table: Annotated[
-        Path | None, typer.Option(help="file for the lines, .csv or .parquet")
+        Path | None,
+        typer.Option(
+            help="file for the lines, .csv or .parquet; of several responses one "
+            "each, FILE_name.csv"
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="folder of the response")
@@ -100,7 +104,7 @@ def response(
     with taken(output, Begun("response", loaded.name, changed)) as place:
         for name, one in found.responses.items():
             stem = name if len(found.responses) > 1 else "response"
-            file = table or place.path / f"{stem}.csv"
+            file = _table(table, name, found) or place.path / f"{stem}.csv"
             traced, why = equations[name]
             told[name] = as_json(one, write_table(one, file, traced))
             told[name]["words"].append(why)
@@ -125,3 +129,10 @@ def response(
     if failed := [c.text for c in found.checks if not c.met]:
         typer.echo("expectation not met: " + "; ".join(failed), err=True)
         raise typer.Exit(1)
+
+
+def _table(asked: Path | None, name: str, found: "Responded") -> Path | None:
+    """Return the file of one response's lines: of several each has its own."""
+    if asked is None or len(found.responses) == 1:
+        return asked
+    return asked.with_stem(f"{asked.stem}_{name}")

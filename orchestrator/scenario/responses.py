@@ -1,6 +1,7 @@
 """``[responses]``: what of a scenario's loops is measured, where and how."""
 
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
@@ -30,6 +31,15 @@ FIGURES_OF_TRANSFER = ("peak", "peak_hz", "bandwidth_hz")
 Names = tuple[str, ...]
 
 
+def _lowest(value: Any) -> Fraction:
+    if isinstance(value, int | float | Decimal):
+        raise ValueError(
+            f'{value} has no unit: write "{value} Hz" for the lowest line, or '
+            f'"{value} s" for its period'
+        )
+    return parse_period(value)
+
+
 class ResponseSpec(Strict):
     """A loop broken at outputs (``break``), or what ``excite`` makes of ``observe``:
     the rms injected, in its unit or with its own, or ``auto``; the lowest line
@@ -39,8 +49,8 @@ class ResponseSpec(Strict):
     excite: Names = ()
     observe: Names = ()
     amplitude: float | str = "auto"
-    lowest: Annotated[Fraction, PlainValidator(parse_period), PlainSerializer(str)] = (
-        Field(default=Fraction(1), alias="from")
+    lowest: Annotated[Fraction, PlainValidator(_lowest), PlainSerializer(str)] = Field(
+        default=Fraction(1), alias="from"
     )  # its period (s)
     excitation: Literal["multisine", "chirp", "stepped"] = "multisine"
 
@@ -87,7 +97,7 @@ def response_of(
     lowest: str,
     excitation: str,
 ) -> ResponseSpec:
-    """Return what the options of a command say.
+    """Return what the options of a command say; a bare ``lowest`` is in hertz.
 
     Raises:
         ScenarioError: one of them is malformed.
@@ -98,9 +108,13 @@ def response_of(
             "and --observe component.output"
         )
     keys = {"break": tuple(breaks), "excite": tuple(excite), "observe": tuple(observe)}
-    more = {"amplitude": amplitude, "from": lowest, "excitation": excitation}
+    more = {"amplitude": amplitude, "from": _hertz(lowest), "excitation": excitation}
     try:
         return ResponseSpec.model_validate({**keys, **more})
     except ValidationError as error:
         first = error.errors()[0]
         raise ScenarioError(f"--{first['loc'][0]}: {first['msg']}") from None
+
+
+def _hertz(written: str) -> str:
+    return written if written.strip()[-1:].isalpha() else f"{written} Hz"

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from lag_loop import lag_loop
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
@@ -18,6 +19,7 @@ from orchestrator.response.margins import margins
 from orchestrator.response.measure import measure
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
+from orchestrator.scenario.responses import response_of
 from orchestrator.session import run, run_earlier
 
 pytest_plugins = ["pytester"]
@@ -111,6 +113,42 @@ def test_one_break_is_asked_for_on_the_command_line_and_its_page_has_three_pictu
     for part in ("re", "im"):  # L of the equations is the measured one
         measured, exact = (np.array(table[f"{of}_{part}"]) for of in ("L", "L_traced"))
         assert np.allclose(measured, exact, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("lowest", ["1/4", "0.25", "0.25 Hz", "4 s", "250 mHz"])
+def test_a_lowest_line_without_unit_is_in_hertz_as_the_option_says(lowest: str) -> None:
+    if lowest == "250 mHz":
+        with pytest.raises(ScenarioError, match=r"--from: .*'mHz' is no unit of time"):
+            response_of(["c.u"], [], [], "auto", lowest, "multisine")
+    else:
+        asked = response_of(["c.u"], [], [], "auto", lowest, "multisine")
+        assert asked.lowest == 4
+
+
+def test_a_number_without_unit_is_no_lowest_line_of_a_file(tmp_path: Path) -> None:
+    file = written(tmp_path, 2.0)
+    file.write_text(file.read_text().replace('"8 Hz"', "0.125"))
+    with pytest.raises(ScenarioError, match=r'write "0\.125 Hz" .* or "0\.125 s"'):
+        load_scenario(file)
+
+
+def test_several_responses_have_a_table_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    lag_loop(tmp_path)
+    with Path("loop.toml").open("a") as file:
+        file.write(
+            '[responses]\nloop = { break = "controller.u", from = "16 Hz" }\n'
+            'way = { excite = "plant.u", observe = "plant.y", from = "16 Hz" }\n'
+        )
+    asked = ["response", "loop.toml", "--table", "lines.csv", "-o", "out", "--json"]
+    done = CliRunner().invoke(app, asked)
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)["responses"]
+    for name, of in (("loop", "L_re"), ("way", "G_re")):
+        assert told[name]["table"] == f"lines_{name}.csv"
+        assert of in Path(f"lines_{name}.csv").read_text().splitlines()[0].split(",")
 
 
 def test_a_run_says_that_it_does_not_measure_responses(tmp_path: Path) -> None:
