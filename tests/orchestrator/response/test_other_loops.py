@@ -202,10 +202,15 @@ def test_a_gain_of_zero_is_told_and_what_never_comes_is_refused(tmp_path: Path) 
     found = measure(ours, ["controller.u"], lowest=Fraction(16))
     assert np.all(found.L == 0)
     assert any("by the models' equations nothing can" in line for line in words(found))
+    theirs = of_others(ours, "plant", tmp_path)
     with pytest.raises(ResponseError, match="nothing of what is injected arrives at"):
-        measure(
-            of_others(ours, "plant", tmp_path), ["controller.u"], lowest=Fraction(16)
-        )
+        measure(theirs, ["controller.u"], lowest=Fraction(16), amplitude=0.1)
+    ways = measure_transfer(
+        theirs, ["plant.u"], ["plant.y", "controller.u"], lowest=Fraction(16)
+    )
+    assert np.all(ways.G[:, 0] != 0)
+    assert np.all(ways.G[:, 1] == 0)
+    assert any("arrives at controller.u, within 8" in line for line in words(ways))
 
 
 @pytest.mark.parametrize("foreign", [False, True])
