@@ -185,13 +185,11 @@ class Group:
     ) -> Outcome:
         spec = self.composition.scenario.spec
 
+        member = cache(lambda: self.composition.with_values(job.values))
+
         def parameter(name: str) -> Quantity:
-            component, variable = split_name(name)
-            own = self._own(name)
-            given = job.values.get(component, {}).get(variable)
-            if given is None or isinstance(given, tuple | str):
-                return own
-            return Quantity(float(given), own.unit)
+            own = split_name(name)[0] not in job.values
+            return self._own(name) if own else member().parameter(name)
 
         try:
             figures = evaluate(spec.metrics, signals, parameter, ended)
@@ -228,7 +226,7 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
         return None
     variable = variable.removeprefix("parameters.").removeprefix("start.")
     part = composition.system.components[component]
-    if f"{component}.{variable}" in composition.in_gains:
+    if composition.in_gain(component, variable):
         return None  # the gain changes with it
     described = composition.fmus[component].variables
     theirs = part.map[variable].name if variable in part.map else variable

@@ -23,6 +23,7 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
+from orchestrator.scenario.last import put_last
 from orchestrator.scenario.sockets import plugged
 from orchestrator.scenario.toml import read_toml_text, toml
 from orchestrator.scenario.written import parse_setting
@@ -75,6 +76,26 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
         known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
         raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
     return False
+
+
+def settings_of(overrides: Iterable[str], component: str) -> list[tuple[bool, str]]:
+    """Return the values of a component that overrides name, in their order: whether
+    as a constant of a connection, and the variable."""
+    found: dict[tuple[bool, str], None] = {}
+    for text in overrides:
+        head, _, rest = text.partition("=")[0].strip().partition(".")
+        constant = head == "connections"
+        if constant:
+            head, _, rest = rest.partition(".")
+        table, _, name = rest.partition(".")
+        if not constant and table in ("parameters", "start") and name:
+            rest = name
+        elif not constant and rest in OF_COMPONENT:
+            continue
+        if head == component:
+            found.pop((constant, rest), None)
+            found[constant, rest] = None
+    return list(found)
 
 
 def parse_override_value(written: str) -> Any:
@@ -163,8 +184,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
         parse_setting(value)
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
-    component.setdefault(table, {})[name] = value
-    component.get("start" if table == "parameters" else "parameters", {}).pop(name, 0)
+    put_last(component, table, name, value)
 
 
 def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:

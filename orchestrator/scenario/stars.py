@@ -6,13 +6,16 @@ input wins over a star; a source that is a number becomes a start value.
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from typing import TypeAlias
 
 from orchestrator.errors import WiringError, did_you_mean
-from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import ports
-from orchestrator.scenario.schema import Specification
+from orchestrator.scenario.schema import Source, Specification
 from orchestrator.system import Component, Value, split_name
 from orchestrator.warned import warn
+
+Constants: TypeAlias = dict[str, dict[str, Value]]  # where it is written -> name
 
 
 def open_connections(
@@ -55,6 +58,32 @@ def open_connections(
             _refuse_no_input(sink, components[component], fmus[component])
             constants.setdefault(component, {})[variable] = source
     return connections, constants
+
+
+def constants_of(
+    connections: Mapping[str, Source], component: Component, fmu: FmuDescription
+) -> Constants:
+    """Return a component's constants by the sinks they are written at."""
+    ends = [(*split_name(sink), source) for sink, source in connections.items()]
+    own = {name: source for owner, name, source in ends if owner == component.name}
+    found: Constants = {}
+    for name, source in own.items():
+        if isinstance(source, str | tuple):
+            continue
+        inputs = names(component, fmu, "input") if "*" in name else ()
+        opened = [
+            n
+            for n in inputs
+            if _match(name, n) is not None
+            and n not in own
+            and not _variable(component, fmu, n).is_text
+        ]
+        found[name] = dict.fromkeys(opened if "*" in name else [name], source)
+    return found
+
+
+def _variable(component: Component, fmu: FmuDescription, name: str) -> FmuVariable:
+    return fmu.variables[component.map[name].name if name in component.map else name]
 
 
 def _open(
@@ -100,11 +129,10 @@ def _numbers(
     component: Component, fmu: FmuDescription, causality: str, star: str
 ) -> list[str]:
     """Return the names a star may stand for; of texts that it leaves out it warns."""
-    theirs = {ours: mapped.name for ours, mapped in component.map.items()}
     _, pattern = split_name(star)
     found = []
     for name in names(component, fmu, causality):
-        variable = fmu.variables[theirs.get(name, name)]
+        variable = _variable(component, fmu, name)
         if not variable.is_text:
             found.append(name)
         elif _match(pattern, name) is not None:

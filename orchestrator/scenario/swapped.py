@@ -60,7 +60,7 @@ def _original(
     found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
     fmus = {name: read_fmu(place.path) for name, place in found.items()}
     components = {
-        name: component_of(name, c, found[name], {})
+        name: component_of(name, c, found[name])
         for name, c in before.components.items()
     }
     return fmus, components, open_connections(before, components, fmus)[0]
