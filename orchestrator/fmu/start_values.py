@@ -9,6 +9,7 @@ from typing import TypeAlias
 from orchestrator.errors import WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.shape import refuse_other_shape
 from orchestrator.fmu.typed import Held, held
 from orchestrator.system import Component
 
@@ -33,6 +34,7 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
         except WiringError as error:
             raise WiringError(f"{where}: {error}") from None
         _refuse_what_cannot_be_set(where, found)
+        refuse_other_shape(where, value, found)
         given = value if isinstance(value, tuple) else (value,)
         if len(given) != len(found):
             raise WiringError(
