@@ -1,4 +1,7 @@
-"""How a layer lies over its base: table by table; ``false`` removes an entry."""
+"""How a layer lies over its base: table by table; ``false`` removes an entry.
+
+Of a connection for which nothing, or a switch, is inherited it is the constant false.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -20,11 +23,29 @@ def inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]
         entries = merged.get(table)
         if not isinstance(entries, dict):
             continue
-        gone = [key for key, value in entries.items() if value is False]
-        merged[table] = {k: v for k, v in entries.items() if v is not False}
+        gone = [
+            key
+            for key, value in entries.items()
+            if value is False
+            and not (table == "connections" and _is_switch(base, merged, key))
+        ]
+        merged[table] = {k: v for k, v in entries.items() if k not in gone}
         if table == "components":
             _detach(merged, gone, layer)
     return merged
+
+
+def _is_switch(base: Mapping[str, Any], merged: Mapping[str, Any], sink: str) -> bool:
+    """Tell whether ``false`` is the value of a sink: what it had is no source."""
+    inherited = _table(base, "connections").get(sink, False)
+    owner = sink.partition(".")[0]
+    before, now = (owner in _table(t, "components") for t in (base, merged))
+    return isinstance(inherited, bool) and not (before and not now)
+
+
+def _table(tables: Mapping[str, Any], name: str) -> dict[str, Any]:
+    found = tables.get(name)
+    return found if isinstance(found, dict) else {}
 
 
 def _last_values(
@@ -34,7 +55,7 @@ def _last_values(
     components = layer.get("components", {})
     for name, own in components.items() if isinstance(components, dict) else ():
         both = merged["components"][name]
-        if name not in base.get("components", {}) or not isinstance(both, dict):
+        if name not in _table(base, "components") or not isinstance(both, dict):
             continue
         found = {table: both[table] for table in TABLES if table in both}
         if not all(isinstance(values, dict) for values in found.values()):

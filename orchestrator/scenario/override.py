@@ -9,7 +9,8 @@
     groups.name.iterate  .tolerance
     design.name.argument   design.name.from_run   design.name=false (leave it out)
     metrics.name.key   metrics.name={...} (a new one)   metrics.name=false
-    record.component.variable   connections.component.input   (false: leave it out)
+    record.component.variable   connections.component.input
+        (false: leave it out; of a connection that is a switch its value)
 
 ``component.parameters.name`` and ``component.start.name`` reach a variable
 whose name is one of the component's own keys; both are one table, in which the last
@@ -96,6 +97,14 @@ def settings_of(overrides: Iterable[str], component: str) -> list[tuple[bool, st
             found.pop((constant, rest), None)
             found[constant, rest] = None
     return list(found)
+
+
+def lines_of(overrides: Iterable[str], table: str) -> list[str]:
+    """Return the entries of a table, say record, that overrides write."""
+    keys = (text.partition("=")[0].strip() for text in overrides)
+    return [
+        key.removeprefix(f"{table}.") for key in keys if key.startswith(f"{table}.")
+    ]
 
 
 def parse_override_value(written: str) -> Any:
@@ -252,7 +261,8 @@ def _set_entry(
     raw: dict[str, Any], text: str, table: str, name: str, value: Any
 ) -> None:
     entries = raw.setdefault(table, {})
-    if value is not False:
+    switch = table == "connections" and isinstance(entries.get(name), bool)
+    if value is not False or switch:
         entries[name] = value
         return
     _known(text, f"entry of [{table}]", name, entries)

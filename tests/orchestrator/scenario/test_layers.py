@@ -10,7 +10,7 @@ import pytest
 from systems import MODELS
 
 from orchestrator.analysis.members import split
-from orchestrator.errors import ScenarioError
+from orchestrator.errors import ScenarioError, WiringError
 from orchestrator.evaluation.metrics import evaluate
 from orchestrator.result import Result, Signal
 from orchestrator.scenario.compose import Composition, compose
@@ -168,3 +168,38 @@ def test_set_by_another_name_takes_the_place_of_what_the_file_says(tmp_path):
     assert values(found) == {"kk": 3}
     assert found.parameter("g.k").value == pytest.approx(3000)
     assert values(composed(tmp_path, text, "g.kk=3", "g.k=7")) == {"k": 7}
+
+
+SWITCH = f'{HEAD}[connections]\n"g.on" = false\n'
+
+
+def test_false_on_a_connection_is_the_constant_where_nothing_is_inherited(tmp_path):
+    assert values(composed(tmp_path, SWITCH)) == {"on": False}
+    heir = '[connections]\n"g.on" = false\n'
+    assert values(composed(tmp_path, HEAD, heir=heir)) == {"on": False}
+
+
+def test_false_over_an_inherited_switch_is_its_value_and_not_its_end(tmp_path):
+    heir = '[connections]\n"g.on" = false\n'
+    for inherited in ("true", "false"):
+        base = f'{HEAD}[connections]\n"g.on" = {inherited}\n'
+        assert values(composed(tmp_path, base, heir=heir)) == {"on": False}
+        set_ = composed(tmp_path, base, "connections.g.on=false")
+        assert values(set_) == {"on": False}
+
+
+def test_false_removes_an_inherited_constant_and_is_no_number(tmp_path):
+    heir = '[connections]\n"g.u" = false\n'
+    assert "u" not in values(composed(tmp_path, CONSTANT, heir=heir))
+    with pytest.raises(
+        WiringError, match=r"u = false: g\.u is a Float64 and no switch"
+    ):
+        composed(tmp_path, HEAD + heir)
+
+
+def test_a_switch_goes_with_the_component_that_an_heir_removes(tmp_path):
+    other = HEAD.partition("[components.g]")[2]
+    heir = f"[components]\ng = false\n[components.h]{other}[connections]\n"
+    heir += '"g.on" = false\n'
+    found = composed(tmp_path, SWITCH.replace("false", "true"), heir=heir)
+    assert list(found.system.components) == ["h"]
