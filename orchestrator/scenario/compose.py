@@ -29,7 +29,7 @@ from orchestrator.scenario.design import DesignResult, run_step
 from orchestrator.scenario.layers import layered
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.maps import MapSpec, with_gains
-from orchestrator.scenario.override import settings_of
+from orchestrator.scenario.override import lines_of, settings_of
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import DesignSpec, FaultSpec
 from orchestrator.scenario.stars import constants_of, open_connections, open_record
@@ -197,7 +197,9 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
         stop=min([spec.stop, *(f.end for f in located.values() if f.end is not None)]),
         components=components,
         connections=connections,
-        record=open_record(spec, components, fmus),
+        record=open_record(
+            spec, components, fmus, lines_of(scenario.overrides, "record")
+        ),
         faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
         groups={
             name: Iterated(group.components, group.tolerance)

@@ -1,10 +1,10 @@
 """Connections and records written with a star, opened to single variables.
 
 One ``*`` stands for any text, the same on both sides.  A line for a single
-input wins over a star; a source that is a number becomes a start value.
+variable wins over a star; a source that is a number becomes a start value.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -158,13 +158,17 @@ def open_record(
     spec: Specification,
     components: Mapping[str, Component],
     fmus: Mapping[str, FmuDescription],
+    last: Sequence[str] = (),
 ) -> dict[str, tuple[Fraction, ...]]:
     """Return the row periods of each recorded variable; a star takes all outputs.
+
+    A line for a single variable wins over a star, and over both one of ``last``.
 
     Raises:
         WiringError: no output fits the star.
     """
-    record = {}
+    record: dict[str, tuple[Fraction, ...]] = {}
+    lines: dict[str, tuple[bool, bool]] = {}
     for variable, rows in spec.record.items():
         component, pattern = split_name(variable)
         part = components[component]
@@ -177,7 +181,10 @@ def open_record(
                     f"record.{variable!r}: {component} has no such output; "
                     f"{did_you_mean(pattern, outputs)}"
                 )
-        for name in wanted:
-            periods = (row or part.period for row in rows)
-            record[f"{component}.{name}"] = tuple(dict.fromkeys(periods))
+        line = variable in last, "*" not in pattern
+        for name in (f"{component}.{n}" for n in wanted):
+            if line >= lines.get(name, line):
+                periods = (row or part.period for row in rows)
+                record[name] = tuple(dict.fromkeys(periods))
+                lines[name] = line
     return record
