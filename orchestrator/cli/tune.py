@@ -1,6 +1,7 @@
 """The verb ``tune``: gains that make a figure small and keep margins."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -141,12 +142,13 @@ class _Keeping:
     def __call__(self, generation: int, x: Any, judged: Any) -> None:
         from orchestrator.analysis.heir import write_heir
 
-        if judged.rank < self._rank and not judged.missed:
+        sound = not judged.missed and isfinite(judged.objective)
+        if judged.rank < self._rank and sound:
             self._rank = judged.rank
             best = {f.name: float(v) for f, v in zip(self._free, x, strict=True)}
             title = f"{self._composition.scenario.name} tuned, generation {generation}"
             write_heir(self._composition, best, title, self._target)
-        told = "keeps no bound yet" if judged.missed else f"{judged.objective:.6g}"
+        told = f"{judged.objective:.6g}" if sound else "keeps no bound yet"
         typer.echo(f"generation {generation}: {told}", err=True)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.analysis import tune as tuning
 from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import Constraint, parse_constraint
 from orchestrator.analysis.fit import Free
@@ -206,6 +207,73 @@ def test_unknown_figures_are_refused(scenario: Path) -> None:
                 [bound] if bound else [],
                 recompose=lambda values: composition,
             )
+
+
+SNAP = """
+base = "ball_screw_pole_placement/p_pi_a_rope_snap"
+stop = "1/10"
+[metrics]
+u = { kind = "rms", of = "controller.u" }
+[record]
+"controller.u" = "control"
+"""
+
+
+@pytest.fixture
+def snap(tmp_path: Path) -> Path:
+    file = tmp_path / "snap.toml"
+    file.write_text(SNAP)
+    return file
+
+
+def tuned(file: Path, objective: str, *constraints: Constraint, **more: Any) -> Any:
+    composition = composed(file)
+    return tune(
+        composition,
+        free_of(composition, ["controller.K_px"], {"controller.K_px": (1.0, 200.0)}),
+        objective,
+        constraints,
+        generations=0,
+        recompose=lambda values: composed(file, values),
+        **more,
+    )
+
+
+def test_a_figure_without_a_value_keeps_no_bound(snap: Path) -> None:
+    assert Constraint("x.settling", -1, 0.05).missed(float("nan")) > 0
+    assert Constraint("x.settling", 1, 0.05).missed(float("nan")) > 0
+    snap.write_text(SNAP.replace("1/10", "1/100"))  # it does not settle so soon
+    with pytest.raises(TuneError, match=r"snap\.settling has no value"):
+        tuned(snap, "u.rms", Constraint("snap.settling", -1, 0.05))
+
+
+def test_a_misspelled_figure_of_a_metric_is_refused_not_left_out(snap: Path) -> None:
+    with pytest.raises(TuneError, match=r"--subject-to snap\.peek: .*snap\.peak"):
+        tuned(snap, "u.rms", Constraint("snap.peek", -1, 1.0))
+    with pytest.raises(TuneError, match=r"--minimise u\.rmss: .*u\.rms"):
+        tuned(snap, "u.rmss")
+
+
+def test_what_misses_its_bound_at_the_last_measurement_is_refused(
+    scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The quick looks keep it, the full measurement never does."""
+    composition = composed(scenario)
+    response = composition.scenario.spec.responses["loop"]
+    worse = loop(composed(scenario, {"controller.k_v": 400.0}), response)
+    bound = figures("loop", worse)["loop.modulus_margin"].value + 0.02
+    monkeypatch.setattr(tuning, "_measured", lambda *_: [{"loop": worse}])
+    monkeypatch.setattr(tuning, "ROUNDS", 1)
+    bounds = {"controller.k_v": (150.0, 250.0)}
+    with pytest.raises(TuneError, match="when measured in full"):
+        tune(
+            composition,
+            free_of(composition, ["controller.k_v"], bounds),
+            "tracking.peak",
+            [Constraint("loop.modulus_margin", 1, bound)],
+            generations=0,
+            recompose=lambda values: composed(scenario, values),
+        )
 
 
 def test_brackets_are_searched_in_ratios_where_they_are_positive() -> None:
