@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from orchestrator.analysis.candidates import Constraint, Judge, Judged, owner_of
 from orchestrator.analysis.fit import Free
-from orchestrator.analysis.heir import write_heir
+from orchestrator.analysis.heir import numbers, write_heir
 from orchestrator.analysis.members import Workers
 from orchestrator.analysis.variations import Assignment, Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
@@ -75,9 +75,11 @@ def tune(
     the composition with values, which is measured in full at the end.
 
     Raises:
-        TuneError: unknown figures, or no candidate keeps the constraints.
+        TuneError: unknown figures, what is free is varied too, or no candidate keeps
+            the constraints.
     """
     _refuse_unknown(composition, objective, constraints)
+    _refuse_free_and_varied(composition, free, over)
     workers = Workers()
     judge = Judge(composition, free, objective, constraints, over, workers)
     try:
@@ -148,6 +150,19 @@ def _refuse_unknown(
                 f"--subject-to {c.figure}: neither a metric nor one of [responses]; "
                 f"{known}"
             )
+
+
+def _refuse_free_and_varied(
+    composition: Composition, free: Sequence[Free], over: Sequence[Axis]
+) -> None:
+    for axis in over:
+        varied = numbers(composition, axis.key)
+        for one in free:
+            if one.name == axis.key or varied & numbers(composition, one.name):
+                raise TuneError(
+                    f"--over {axis.key}: is free too, so that every candidate would "
+                    f"be run with the varied value; leave {axis.key} out of one"
+                )
 
 
 class Space:

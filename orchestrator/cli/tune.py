@@ -71,6 +71,7 @@ def tune(
     from orchestrator.analysis import tune as tuning
     from orchestrator.analysis.begin import begin_of, free_of
     from orchestrator.analysis.candidates import parse_constraint
+    from orchestrator.analysis.heir import words
     from orchestrator.analysis.variations import parse_axis
     from orchestrator.scenario.compose import compose
     from orchestrator.scenario.reading import load_scenario
@@ -125,7 +126,7 @@ def tune(
         return
     print_table(HEAD, _values(found), f"{loaded.name} tuned")
     print_table(FIGURES, _figures(found, minimise))
-    for line in _begun(found, begin):
+    for line in (*_begun(found, begin), *words(composition, found.best())):
         typer.echo(line)
     typer.echo(f"{found.evaluations} runs\nscenario: {target}\nreport: {page}")
 

@@ -13,6 +13,7 @@ from orchestrator.analysis import tune as tuning
 from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import Constraint, parse_constraint
 from orchestrator.analysis.fit import Free
+from orchestrator.analysis.heir import words, write_heir
 from orchestrator.analysis.shots import Shots
 from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.tune import Space, tune
@@ -133,8 +134,6 @@ def test_bounds_are_kept_at_several_breaks_at_once(
 
 
 def test_a_published_scenario_is_inherited_from_by_its_name(tmp_path: Path) -> None:
-    from orchestrator.analysis.heir import write_heir
-
     published = compose(load_scenario("cascade_nppi/p_pi_0_4hz"), run_earlier)
     heir = write_heir(
         published, {"controller.k_v": 200.0}, "slower", tmp_path / "h.toml"
@@ -274,6 +273,45 @@ def test_what_misses_its_bound_at_the_last_measurement_is_refused(
             generations=0,
             recompose=lambda values: composed(scenario, values),
         )
+
+
+DESIGNED = """
+base = "ball_screw_pole_placement/mc_ppc_track_500"
+stop = "1/20"
+"""
+
+
+def test_the_scenario_written_has_the_objective_printed_where_a_design_reads_a_value(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a file the value found would be what the design is told."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "d.toml"
+    file.write_text(DESIGNED)
+    asked = ["--free", "plant.m_2", "--bounds", "plant.m_2=3e-4:6e-4"]
+    asked += ["--minimise", "tracking.peak", "--generations", "0"]
+    done = CliRunner().invoke(app, ["tune", str(file), *asked, "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    alone = run(load_scenario(told["scenario"]), tmp_path / "run", report=False)
+    assert alone.metrics["tracking.peak"].value == told["objective"]
+    nominal = composed(file).parameter("plant.m_2").value
+    assert told["best"]["plant.m_2"] != nominal
+    assert alone.composition.designs["gains"].arguments["m_2"] == nominal
+
+
+def test_a_design_that_is_not_kept_is_told_what_was_found(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(DESIGNED)
+    composition, values = composed(tmp_path / "d.toml"), {"plant.m_2": 4e-4}
+    anew = write_heir(composition, values, "fitted", tmp_path / "h.toml", kept=())
+    assert composed(anew).designs["gains"].arguments["m_2"] == 4e-4
+    assert "m_2 as found" in words(composition, values, kept=())[0]
+    assert "m_2 as before" in words(composition, values)[0]
+
+
+def test_what_is_free_is_not_varied_too(snap: Path) -> None:
+    with pytest.raises(TuneError, match=r"--over controller\.K_px: is free too"):
+        tuned(snap, "u.rms", over=[Axis("controller.K_px", (100.0, 200.0))])
 
 
 def test_brackets_are_searched_in_ratios_where_they_are_positive() -> None:
