@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from orchestrator.analysis import heir
 from orchestrator.analysis.estimate import Estimate, estimate, lag_1
 from orchestrator.analysis.measured import Measured
-from orchestrator.analysis.members import split
+from orchestrator.analysis.members import refuse_driven, split
 from orchestrator.errors import FitError
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Value, split_name
@@ -88,9 +88,11 @@ def free_values(
     Raises:
         FitError: a name is no real parameter or start value, or its bracket does not
             hold its start value.
+        ScenarioError: a connection drives it.
     """
     if unknown := [name for name in brackets if name not in names]:
         raise FitError(f"--bounds {unknown[0]}: it is not among --free")
+    refuse_driven(composition, "--free", names)
     return tuple(
         _free(composition, name, brackets.get(name), (about or {}).get(name))
         for name in names

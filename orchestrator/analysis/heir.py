@@ -9,8 +9,7 @@ from os.path import relpath
 from pathlib import Path
 from typing import Any
 
-from orchestrator.errors import WiringError
-from orchestrator.fmu.ports import ports
+from orchestrator.analysis.members import numbers
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import split_name
 
@@ -95,17 +94,3 @@ def _told(
 
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
-
-
-def numbers(composition: Composition, full: str) -> set[str]:
-    """Return the numbers of FMUs that a name stands for; none if it is another text."""
-    owner, name = split_name(full)
-    if owner not in composition.system.components:
-        return set()
-    try:
-        found = ports(
-            composition.system.components[owner], composition.fmus[owner], name
-        )
-    except WiringError:
-        return set()
-    return {f"{owner}.{port.variable.name}[{port.element}]" for port in found}

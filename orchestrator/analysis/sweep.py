@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from orchestrator.analysis.kept import MEMBERS, Identity, done_before, identity, note
-from orchestrator.analysis.members import Job, Outcome, Workers, split
+from orchestrator.analysis.members import Job, Outcome, Workers, refuse_driven, split
 from orchestrator.analysis.variations import Assignment, Axis, Setting, grid
 from orchestrator.errors import FeedDriveError, ScenarioError
 from orchestrator.quantities.quantity import NoValue, parse_quantity
@@ -185,6 +185,8 @@ def _groups(
         jobs.setdefault(more, []).append(Job(index, values))
     for more, sharing in jobs.items():
         if not more:
+            keys = dict.fromkeys(k for job in sharing for k in members[job.index])
+            refuse_driven(composition, "--vary", keys)
             yield making(composition, len(sharing)), sharing
             continue
         scenario = load_scenario(base.file, [*sets, *more])

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from orchestrator.analysis.candidates import Constraint, Judge, Judged, owner_of
 from orchestrator.analysis.fit import Free
-from orchestrator.analysis.heir import numbers, write_heir
-from orchestrator.analysis.members import Workers
+from orchestrator.analysis.heir import write_heir
+from orchestrator.analysis.members import Workers, numbers, refuse_driven
 from orchestrator.analysis.variations import Assignment, Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
 from orchestrator.response.expected import loop
@@ -155,6 +155,7 @@ def _refuse_unknown(
 def _refuse_free_and_varied(
     composition: Composition, free: Sequence[Free], over: Sequence[Axis]
 ) -> None:
+    refuse_driven(composition, "--over", (axis.key for axis in over))
     for axis in over:
         varied = numbers(composition, axis.key)
         for one in free:
