@@ -47,6 +47,7 @@ def swaps(scenario: Scenario, fmus: Mapping[str, FmuDescription]) -> dict[str, S
             fmus[name],
             carried,
             {*used[name], *(key for keys in carried.values() for key in keys)},
+            scenario.of_swap.get(name, ()),
         )
         for name, carried in scenario.carried.items()
     }
