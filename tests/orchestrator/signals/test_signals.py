@@ -189,3 +189,39 @@ def test_the_end_of_a_file_is_held_or_ends_the_run_and_is_said(
     assert done["force.F"].values.tolist() == [1.0] + [2.0] * stop
     lock = (tmp_path / "run" / "scenario.lock.toml").read_text()
     assert composition.contents["force"] in lock
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"offset": "2 ms"}, [20, 20, 20, 30, 40, 50, 60, 70, 80, 90, 100]),
+        ({"offset": "1/2000"}, [5, 5, 15, 25, 35, 45, 55, 65, 75, 85, 95]),
+        (
+            {"offset": "2 ms", "begin": "3 ms", "at_end": "hold"},
+            [50, 50, 50, 60, 70, 80, 90, 100, 100, 100, 100],
+        ),
+    ],
+)
+def test_an_offset_shifts_the_ticks_and_not_the_data(
+    options: dict[str, str], expected: list[float], tmp_path: Path
+) -> None:
+    times = [f"{k / 1000:.3f}" for k in range(11)]
+    file = csv(tmp_path / "force.csv", times, [10.0 * k for k in range(11)])
+    force = {"data": file.name, "interpolation": "linear", **options}
+    tables = {
+        "stop": "0.01",
+        "components": {"force": force},
+        "record": {"force.F": "1/1000"},
+    }
+    composition = compose(scenario_from(tables, tmp_path / "s.toml"), run_earlier)
+    assert ["ends at t = 0.007 s" in w for w in composition.warnings] == (
+        [True] if "begin" in options else []
+    )
+    done = execute(composition, tmp_path / "run", report=False)
+    assert done["force.F"].values == pytest.approx(expected)
+
+
+def test_a_file_that_ends_before_the_first_tick_is_refused(tmp_path: Path) -> None:
+    file = csv(tmp_path / "force.csv", ["0", "0.001"], [1.0, 2.0])
+    with pytest.raises(ScenarioError, match="before its first tick at 0.002 s"):
+        play(Recording(file, offset=Fraction(2, 1000)))
