@@ -163,6 +163,8 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
         where = f"design: {name}."
         designed[name] = swap.rewritten(specs[name], where, designed[name])
         left.extend(not_taken_over)
+        numbers = (k for k, v in spec.faults.items() if any(f.in_unit for f in v))
+        swap.refuse_faults(specs[name], list(numbers))
     for one in left:
         warn(str(one))
     components = {

@@ -44,8 +44,9 @@ class Scenario(Shown):
     """A validated scenario: its name, its file, what it says after overrides.
 
     ``swapped`` are its swaps, written ``component=fmu``; ``carried`` the values, by
-    component and table, that a swapped one is to take over; ``of_swap`` the names, by
-    component, of values that came with the other FMU.
+    component and table, that a swapped one is to take over (none of one whose FMU
+    ``--set`` replaced); ``of_swap`` the names, by component, of values that came with
+    the other FMU.
     """
 
     name: str
@@ -104,7 +105,10 @@ def scenario_from(
     nominal = _validate(plain, file)
     spec = _validate(changed, file) if changed != plain else nominal
     swapped = tuple(f"{name}={swap['fmu']}" for name, swap in (swaps or {}).items())
-    carried = {name: _carried(changed, plain, name) for name in swaps or {}}
+    carried: dict[str, dict[str, tuple[str, ...]]] = {
+        **{name: {} for name in _set_anew(spec, nominal)},
+        **{name: _carried(changed, plain, name) for name in swaps or {}},
+    }
     of_swap = {name: _of_swap(with_swap, plain, changed, name) for name in swaps or {}}
     name = scenario_name(file)
     return Scenario(
@@ -283,6 +287,14 @@ def _set_by_map(raw: dict[str, Any]) -> None:
         for name, entry in maps.items() if isinstance(maps, dict) else ():
             if isinstance(entry, dict) and "value" in entry:
                 component.setdefault("parameters", {})[name] = entry.pop("value")
+
+
+def _set_anew(spec: Specification, nominal: Specification) -> list[str]:
+    """Return the components of which the FMU is another than the scenario's."""
+    before = nominal.components
+    return [
+        n for n, c in spec.components.items() if n in before and c.fmu != before[n].fmu
+    ]
 
 
 def _carried(

@@ -17,7 +17,7 @@ from orchestrator.quantities.unit import Unit, conversion, unit_of
 from orchestrator.scenario.component import ComponentSpec
 from orchestrator.scenario.maps import MapSpec
 from orchestrator.scenario.rewritten import Units, rewritten
-from orchestrator.system import Component, Value
+from orchestrator.system import Component, Value, split_name
 from orchestrator.warned import warn
 
 TABLES = ("parameters", "start")
@@ -43,7 +43,8 @@ class Swap:
 
     ``carried`` are the scenario's own values, by table, that nothing replaced;
     ``used`` the names that the scenario connects, records or sets; ``own`` those of
-    the values that came with the other FMU, in the unit its map says.
+    the values that came with the other FMU, in the unit its map says.  Without a
+    ``map`` for it, by ``--set``, a variable that cannot be had in our unit has its own.
     """
 
     old: Component
@@ -52,6 +53,7 @@ class Swap:
     carried: Mapping[str, Collection[str]]
     used: Collection[str]
     own: Collection[str] = ()
+    mapped: bool = True
 
     def take_over(
         self, spec: ComponentSpec
@@ -96,6 +98,24 @@ class Swap:
                 found[name] = rewritten(f"{where}{name}", value, before, now)
         return found
 
+    def refuse_faults(self, spec: ComponentSpec, faults: Collection[str]) -> None:
+        """Refuse faults with a number for an input that has another unit now.
+
+        Raises:
+            ScenarioError: there is one.
+        """
+        for full in faults:
+            owner, name = split_name(full)
+            if owner != self.old.name:
+                continue
+            where = f'faults."{full}"'
+            if self.rewritten(spec, where, {name: 1.0})[name] != 1.0:
+                raise ScenarioError(
+                    f"{where}: its value is in {self._unit(name)}, and the map gives "
+                    f"{name} another unit; leave the unit out of the map, and it keeps "
+                    f"ours"
+                )
+
     def _map(self, spec: ComponentSpec) -> Iterator[tuple[str, MapSpec]]:
         """Yield the map with the unit that every variable had by our name.
 
@@ -107,6 +127,9 @@ class Swap:
             if name not in said and not self._has(name):
                 continue
             mapped = spec.map.get(name, MapSpec(name=name))
+            if name in spec.map and not self.mapped:
+                yield name, mapped
+                continue
             theirs = _alike(self._theirs(mapped.name))
             unit = self._unit(name)
             if theirs is not None and unit is not None and mapped.unit is None:
@@ -115,7 +138,7 @@ class Swap:
                     if found != MapSpec(name=name):
                         yield name, found
                 except UnitError as error:
-                    if name in spec.map or name in self.used:
+                    if self.mapped and (name in spec.map or name in self.used):
                         raise ScenarioError(
                             f"components.{self.old.name}.map: {name}: {error}; say "
                             f'by a gain what it is, with unit = "{unit}"'

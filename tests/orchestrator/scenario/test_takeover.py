@@ -214,14 +214,21 @@ parameters = {{ k = 2000, v = [0.003, 0.0] }}
 """
 
 
-def sprung(folder: Path, fmi: int, maps: str, *sets: str) -> Result:
-    """Run k (u + v_1) of metres by a spring whose FMU is in millimetres."""
-    for name, length, k in (("old", "m", "k"), ("new", "mm", "stiff")):
+def springs(folder: Path, fmi: int, more: str = "") -> Path:
+    """Write k (u + v_1) of metres, and springs whose FMUs are in millimetres."""
+    forms = (("old", "m", "k"), ("new", "mm", "stiff"), ("same", "mm", "k"))
+    for name, length, k in forms:
         text = SPRING.replace("{length}", length).replace("{k}", k)
         (folder / f"{name}.py").write_text(text)
-    (folder / "s.toml").write_text(SPRUNG.format(fmi=fmi))
+    (folder / "s.toml").write_text(SPRUNG.format(fmi=fmi) + more)
+    return folder / "s.toml"
+
+
+def sprung(folder: Path, fmi: int, maps: str, *sets: str) -> Result:
+    """Run the spring of metres by that of millimetres."""
+    file = springs(folder, fmi)
     tables = parse_swaps([f"g={folder / 'new.py'}"], [maps])
-    scenario = load_scenario(folder / "s.toml", sets, tables)
+    scenario = load_scenario(file, sets, tables)
     return execute(compose(scenario, run_earlier), folder / "run", report=False)
 
 
@@ -261,3 +268,31 @@ def test_a_number_that_cannot_be_had_in_the_unit_of_the_map_is_refused(tmp_path:
     said = r"components\.g\.parameters\.k = 2000: N/m cannot become kg"
     with pytest.raises(ScenarioError, match=said):
         sprung(tmp_path, 2, 'k = {name = "stiff", gain = 1, unit = "kg"}')
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(("more", "force"), [((), 8.0), (("g.k=1000",), 4.0)])
+def test_an_fmu_that_is_set_takes_numbers_in_the_unit_they_were_written_in(
+    tmp_path: Path, fmi: int, more: tuple[str, ...], force: float
+):
+    file = springs(tmp_path, fmi)
+    scenario = load_scenario(file, (f"g.fmu={tmp_path / 'same.py'}", *more))
+    found = execute(compose(scenario, run_earlier), tmp_path / "run", report=False)
+    assert found["g.y"].values[-1] == pytest.approx(force)
+    assert found["g.w[1]"].unit == "m"
+
+
+def test_a_fault_in_a_unit_that_the_map_replaces_is_refused(tmp_path: Path):
+    fault = '[faults]\n"g.u" = { kind = "bias", value = 0.001 }\n'
+    file = springs(tmp_path, 2, fault)
+    driver = '[components.h]\nfmu = "old.py"\nstep = "1/1000"\n[connections]'
+    text = file.read_text().replace("[connections]", driver)
+    file.write_text(text.replace('"g.u" = 0.001', '"g.u" = "h.w[1]"'))
+
+    def swapped(maps: str) -> None:
+        tables = parse_swaps([f"g={tmp_path / 'new.py'}"], [maps])
+        compose(load_scenario(file, (), tables), run_earlier)
+
+    swapped('k = "stiff"')
+    with pytest.raises(ScenarioError, match=r'faults\."g\.u": its value is in m'):
+        swapped('k = "stiff", u = { name = "u", unit = "mm" }')
