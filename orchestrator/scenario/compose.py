@@ -156,15 +156,19 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     nominal = _nominal(scenario)
     designs = {} if earlier is None else _design(scenario, nominal, fmus, earlier)
     specs, left = dict(spec.components), []
-    for name, swap in swaps(scenario, fmus).items():
+    replaced = swaps(scenario, fmus)
+    designed = {name: nominal.designed.get(name, {}) for name in specs}
+    for name, swap in replaced.items():
         specs[name], not_taken_over = swap.take_over(specs[name])
+        where = f"design: {name}."
+        designed[name] = swap.rewritten(specs[name], where, designed[name])
         left.extend(not_taken_over)
+        numbers = (k for k, v in spec.faults.items() if any(f.in_unit for f in v))
+        swap.refuse_faults(specs[name], list(numbers))
     for one in left:
         warn(str(one))
     components = {
-        name: component_of(
-            name, specs[name], located[name], nominal.designed.get(name, {})
-        )
+        name: component_of(name, specs[name], located[name], designed[name])
         for name in specs
     }
     for name, component in components.items():
@@ -180,6 +184,9 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     connections, constants = open_connections(spec, components, fmus)
     refuse_lost_inputs(scenario, connections, constants)
     for name, values in constants.items():
+        if name in replaced:
+            where = f"connections.{name}."
+            values = replaced[name].rewritten(specs[name], where, values)
         own = components[name]
         rest = {k: v for k, v in own.parameters.items() if k not in values}
         start = {**own.start, **values}
