@@ -84,7 +84,7 @@ def _refuse_no_fmu(path: Path) -> None:
     from orchestrator.checks.item import CannotRun
     from orchestrator.errors import FmuError
     from orchestrator.fmu.archive import DAMAGE
-    from orchestrator.fmu.description import refuse_other_fmi
+    from orchestrator.fmu.declared import refuse_other_fmi
 
     if not path.is_file():
         return  # told when it is opened

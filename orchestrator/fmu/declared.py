@@ -3,7 +3,8 @@
 A variable has the attributes of its type (``declaredType``) where it gives none of
 its own.  Refused is what makes a value ambiguous: a value reference that is none, a
 name twice, a dimension below 1, two model descriptions, a ``modelIdentifier`` that is
-a path.  Everything else that breaks the standard is for ``check`` to find.
+a path.  Everything else that breaks the standard is for ``check`` to find.  Documents
+come without comments and processing instructions.
 """
 
 from collections import Counter
@@ -121,6 +122,16 @@ def refuse_two_descriptions(path: Path) -> None:
         )
 
 
+def refuse_other_fmi(path: Path, root: Any) -> None:
+    """Refuse, by FmuError, a model description whose root is not FMI 2.0 or 3.0."""
+    version = str(root.get("fmiVersion"))
+    if not version.startswith(("2.", "3.")):
+        raise FmuError(
+            f"{path}: is FMI {version}, which is not supported; ask for an export as "
+            f"FMI 2.0 or 3.0"
+        )
+
+
 def refuse_vast(path: Path, md: Any) -> None:
     """Refuse arrays for which there would be no room.
 
@@ -151,10 +162,11 @@ def _ambiguous(root: Any) -> Iterator[str]:
             identifier = element.get("modelIdentifier", "")
             if set(identifier) & set("/\\:") or identifier in (".", ".."):
                 yield f"modelIdentifier {identifier!r} is a path, not a name"
-    for element in root.iterfind("ModelVariables/*"):
-        if isinstance(element.tag, str) and not element.get("name"):  # no comment
+    aliases = list(root.iterfind("ModelVariables/*/Alias"))
+    for element in (*root.iterfind("ModelVariables/*"), *aliases):
+        if not element.get("name"):
             yield f"a {element.tag} of ModelVariables has no name"
-    names = Counter(v.get("name") for v in _variables(root))
+    names = Counter(v.get("name") for v in (*_variables(root), *aliases))
     twice = next((name for name, count in names.items() if count > 1), None)
     if twice is not None:
         yield f"two variables have the name {twice!r}"
@@ -177,5 +189,5 @@ def _ambiguous(root: Any) -> Iterator[str]:
 
 
 def _variables(root: Any) -> Iterator[Any]:
-    """Yield the variables of FMI 2.0 or 3.0, leaving comments out."""
+    """Yield the variables of FMI 2.0 or 3.0, of which aliases are no part."""
     yield from root.iterfind("ModelVariables/*[@name]")

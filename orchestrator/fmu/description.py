@@ -8,7 +8,7 @@ Units come from the FMU's own definitions.
 import io
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -22,6 +22,7 @@ from orchestrator.fmu.declared import (
     Declared,
     declared,
     refuse_ambiguous,
+    refuse_other_fmi,
     refuse_two_descriptions,
     refuse_vast,
     units,
@@ -201,10 +202,13 @@ def _read(path: Path, _mtime: int, _size: int) -> FmuDescription:
     refuse_two_descriptions(path)
     text = read_member(path, "modelDescription.xml")
     try:
-        root = etree.fromstring(text)
+        # comments may stand anywhere, also where a first child is looked for
+        parser = etree.XMLParser(remove_comments=True, remove_pis=True)
+        root = etree.fromstring(text, parser)
         refuse_other_fmi(path, root)
         refuse_ambiguous(path, root)
-        md = fmpy.read_model_description(io.BytesIO(_only_xml(text)), validate=False)
+        bare = _only_xml(etree.tostring(root))
+        md = fmpy.read_model_description(io.BytesIO(bare), validate=False)
         return _described(path, root, md)
     except Exception as error:  # fmpy raises bare Exception for malformed documents
         if isinstance(error, FmuError):
@@ -242,7 +246,7 @@ def _described(path: Path, root: Any, md: Any) -> FmuDescription:
         tool=md.generationTool or "unknown",
         description=md.description or "",
         variables={
-            v.name: _variable(v, defined, said[v.name], major)
+            v.name: _variable(v, defined, said, major)
             for v in md.modelVariables
             if v.type != "Clock"
         },
@@ -278,16 +282,6 @@ def _internal_step(root: Any) -> Fraction | None:
     return None
 
 
-def refuse_other_fmi(path: Path, root: Any) -> None:
-    """Refuse, by FmuError, a model description whose root is not FMI 2.0 or 3.0."""
-    version = str(root.get("fmiVersion"))
-    if not version.startswith(("2.", "3.")):
-        raise FmuError(
-            f"{path}: is FMI {version}, which is not supported; ask for an export as "
-            f"FMI 2.0 or 3.0"
-        )
-
-
 def _only_xml(text: bytes) -> bytes:
     """Return an archive holding the description alone, as fmpy wants one."""
     memory = io.BytesIO()
@@ -297,8 +291,10 @@ def _only_xml(text: bytes) -> bytes:
 
 
 def _variable(
-    v: Any, defined: Mapping[str, BaseUnit], said: Declared, major: int
+    v: Any, defined: Mapping[str, BaseUnit], told: Mapping[str, Declared], major: int
 ) -> FmuVariable:
+    """Return a variable, or an alias of one (FMI 3.0), which is read and never set."""
+    said = told[v.name] if v.alias is None else replace(told[v.alias.name], starts=())
     type_ = v.declaredType
     name: str | None = v.unit or (type_.unit if type_ is not None else None)
     base = defined.get(name or "") or (BaseUnit() if name == "1" else None)
@@ -308,12 +304,12 @@ def _variable(
         fmi_type=v.type,
         reference=int(v.valueReference),
         shape=tuple(v.shape or ()),
-        causality=v.causality or "local",
+        causality=v.causality or "local" if v.alias is None else "local",
         variability=v.variability or "continuous",
-        initial=v.initial,
+        initial=v.initial if v.alias is None else None,
         unit=unit,
         base_unit=base,
-        start=v.start,
+        start=v.start if v.alias is None else None,
         min=said.min,
         max=said.max,
         description=v.description or "",

@@ -5,7 +5,8 @@ A name stands for one number or for several: an FMI 3 array, the FMI 2 elements
 """
 
 import json
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from math import pi
@@ -91,10 +92,13 @@ def is_inward(variable: FmuVariable) -> bool:
 
 
 def ports(component: Component, fmu: FmuDescription, name: str) -> list[Port]:
-    """Return the numbers a name of a component stands for, in order.
+    """Return the numbers a name of a component stands for.
+
+    Elements of an array are in the order of their indices, the last one running
+    first, however the FMU lists them.
 
     Raises:
-        WiringError: the component has no such variable.
+        WiringError: the component has no such variable, or an array no such element.
     """
     if name in component.map:
         mapped = component.map[name]
@@ -114,9 +118,9 @@ def _ports(
         members = [(array, "")]
     else:
         prefixes = (f"{name}.", f"{name}[")
-        members = [
+        members = _by_index(
             (v, n[len(name) :]) for n, v in variables.items() if n.startswith(prefixes)
-        ]
+        )
     if not members:
         if name in fmu.clocks:
             raise WiringError(
@@ -127,6 +131,11 @@ def _ports(
         raise WiringError(
             f"{component.name} ({fmu.path.name}) has no variable {name!r}; "
             f"{did_you_mean(name, known)}"
+        )
+    if array is not None and indices not in _indices(array.shape):
+        raise WiringError(
+            f"{component.name}.{name} is no element of {array.name}, whose elements "
+            f"are {_indices(array.shape)[0]} to {_indices(array.shape)[-1]}"
         )
     for variable, label in members:
         affine, unit, doubts = _our_side(component, fmu, variable, mapped)
@@ -158,6 +167,24 @@ def _array_element(
     if name in variables or array is None or not array.shape:
         return None, ""
     return array, bracket + rest.replace(" ", "")
+
+
+def _by_index(
+    members: Iterable[tuple[FmuVariable, str]],
+) -> list[tuple[FmuVariable, str]]:
+    """Return elements, which FMI 2 lists in any order, by index; fields as told."""
+    listed = list(members)
+    found = [(at, one) for one in listed if (at := indices_of(one[1])) is not None]
+    if len(found) < len(listed):
+        return listed
+    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+
+
+def indices_of(label: str) -> tuple[int, ...] | None:
+    """Return (1, 2) of ``[1,2]`` or ``[1][2]``, None of what is no index alone."""
+    if not re.fullmatch(r"(\[\s*\d+\s*(,\s*\d+\s*)*\])+", label, re.ASCII):
+        return None
+    return tuple(map(int, re.findall(r"\d+", label, re.ASCII)))
 
 
 def _renamed(port: Port, name: str) -> Port:

@@ -1,11 +1,10 @@
 """Rows and columns: those that are written, and those of a variable."""
 
-import re
 from collections.abc import Sequence
 from math import prod
 
 from orchestrator.errors import WiringError
-from orchestrator.fmu.ports import Port
+from orchestrator.fmu.ports import Port, indices_of
 from orchestrator.system import Rows, Value
 
 
@@ -25,8 +24,8 @@ def refuse_other_shape(where: str, value: Value, found: Sequence[Port]) -> None:
 
 def _shape(found: Sequence[Port]) -> tuple[int, ...]:
     """Return the shape of what a name stands for, () if it is no array of numbers."""
-    indices = [re.fullmatch(r"\[(\d+(?:,\d+)*)\]", port.label) for port in found]
-    each = [index[1].split(",") for index in indices if index]
+    indices = [indices_of(port.label) for port in found]
+    each = [index for index in indices if index is not None]
     if len(each) < len(found) or len({len(index) for index in each}) != 1:
         return ()
     shape = tuple(len(set(along)) for along in zip(*each, strict=True))

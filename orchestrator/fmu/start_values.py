@@ -4,11 +4,12 @@ Parameters and start values are one table: of a name in both the start value hol
 """
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TypeAlias
 
 from orchestrator.errors import WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
-from orchestrator.fmu.ports import Port, ports
+from orchestrator.fmu.ports import Port, indices_of, ports
 from orchestrator.fmu.shape import refuse_other_shape
 from orchestrator.fmu.typed import Held, held
 from orchestrator.system import Component
@@ -40,6 +41,8 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
             raise WiringError(
                 f"{where}: {len(found)} values expected, {len(given)} given"
             )
+        if len(given) > 1:
+            _refuse_without_order(where, found)
         for port, one in zip(found, given, strict=True):
             v = port.variable
             known = declared(v) or [None] * v.size
@@ -57,6 +60,21 @@ def _refuse_what_cannot_be_set(where: str, found: Sequence[Port]) -> None:
             raise WiringError(
                 f"{where}: a {v.variability} {v.causality} of the FMU cannot be set"
             )
+
+
+def _refuse_without_order(where: str, found: Sequence[Port]) -> None:
+    """Refuse a list of values where positions do not say which value is whose."""
+    at = [indices_of(port.label) for port in found]
+    lengths = {len(index) for index in at if index is not None}
+    if None not in at and len(lengths) == 1:
+        spans = [range(min(n), max(n) + 1) for n in zip(*filter(None, at), strict=True)]
+        if at == list(product(*spans)) and all(span[0] in (0, 1) for span in spans):
+            return
+    labels = ", ".join(port.label for port in found[:4])
+    raise WiringError(
+        f"{where}: a list of values goes by index, and this is no array without gaps "
+        f"but {labels}{', ...' if len(found) > 4 else ''}; give each value by its name"
+    )
 
 
 def _complete(

@@ -155,6 +155,8 @@ class ModelExchangeInstance(LocalInstance):
         assert self._solver is not None
         while True:
             target = min(end, self._next_event)
+            if end < self._next_event <= end + CLOSE * abs(end):
+                target = self._next_event  # t + h but for how it was rounded
             reached, event = self._solver.go(self._at, target)
             self._at = self.clock.value = reached
             if self._md.modelExchange.needsCompletedIntegratorStep:
@@ -203,8 +205,10 @@ class _Solver(CVodeSolver):  # type: ignore[misc]  # fmpy is not typed
         self._error: BaseException | None = None
         self.cvode_mem = None  # fmpy frees it, also after a constructor that failed
         super().__init__(
-            nx=md.numberOfContinuousStates,
-            nz=md.numberOfEventIndicators,
+            nx=md.numberOfContinuousStates
+            if fmi2
+            else fmu.getNumberOfContinuousStates(),
+            nz=md.numberOfEventIndicators if fmi2 else fmu.getNumberOfEventIndicators(),
             get_x=fmu.getContinuousStates,
             set_x=fmu.setContinuousStates,
             get_dx=fmu.getDerivatives if fmi2 else fmu.getContinuousStateDerivatives,

@@ -165,9 +165,15 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     nominal = _nominal(scenario)
     designs = {} if earlier is None else _design(scenario, nominal, fmus, earlier)
     specs, left = dict(spec.components), []
-    for name, swap in swaps(scenario, fmus).items():
+    replaced = swaps(scenario, fmus)
+    designed = {name: nominal.designed.get(name, {}) for name in specs}
+    for name, swap in replaced.items():
         specs[name], not_taken_over = swap.take_over(specs[name])
+        where = f"design: {name}."
+        designed[name] = swap.rewritten(specs[name], where, designed[name])
         left.extend(not_taken_over)
+        numbers = (k for k, v in spec.faults.items() if any(f.in_unit for f in v))
+        swap.refuse_faults(specs[name], list(numbers))
     for one in left:
         warn(str(one))
     components = {
@@ -175,13 +181,16 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     }
     for name, component in components.items():
         refuse_unknown_names(component, fmus[name])
-        components[name] = layered(
-            component,
-            fmus[name],
-            nominal.designed.get(name, {}),
-            constants_of(spec.connections, component, fmus[name]),
-            settings_of(scenario.overrides, name),
-        )
+        constants = constants_of(spec.connections, component, fmus[name])
+        if name in replaced:
+            where = f"connections.{name}."
+            constants = {
+                line: replaced[name].rewritten(specs[name], where, values)
+                for line, values in constants.items()
+            }
+        settings = settings_of(scenario.overrides, name)
+        layers = designed[name], constants, settings
+        components[name] = layered(component, fmus[name], *layers)
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     in_gains: set[str] = set()
     for name, spec_of_part in specs.items():
@@ -190,8 +199,8 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
             component, spec_of_part.map, fmus[name], actual.quantity
         )
         in_gains |= taken
-    connections, constants = open_connections(spec, components, fmus)
-    refuse_lost_inputs(scenario, connections, constants)
+    connections, given = open_connections(spec, components, fmus)
+    refuse_lost_inputs(scenario, connections, given)
     system = System(
         name=scenario.name,
         stop=min([spec.stop, *(f.end for f in located.values() if f.end is not None)]),

@@ -87,6 +87,7 @@ def _recorded(
         own.interpolation,
         own.begin,
         own.rate,
+        own.offset,
     )
     try:
         found = play(recording, fmi=spec.fmi)

@@ -94,7 +94,7 @@ class Settings:
         variable = fmu.variables[name]
         first = way[0].source if way else (path, name)
         at_border = self.flat.connector(first)
-        unit = at_border.unit if way and at_border else variable.unit
+        unit = at_border.unit if way and at_border else self.unit((path, name))
         hops = []
         if mapped:
             where = f"{mapped.source} -> {mapped.target}"
@@ -107,9 +107,20 @@ class Settings:
         hops += list(self.hops(way))
         start = unit if given.unit is None and mapped is None else given.unit
         affine, _ = passed(start, hops)
+        if given.unit is not None and not (mapped and mapped.suppress):
+            self._note_unknown(".".join((*path, name)), given.unit, unit)
         value = _value(given, variable, affine)
         self.found.setdefault(path, {})[name] = Setting(value, given, mapped)
         return True
+
+    def _note_unknown(self, where: str, given: Unit, unit: Unit | None) -> None:
+        if str(given) == str(unit) or (unit and unit.base and given.base):
+            return
+        own = f"in {unit} there" if unit else "without a unit there"
+        unknown = ", and not both are defined" if unit else ""
+        self.notes.append(
+            f"{where}: given in {given}, {own}{unknown}: the number is taken as it is"
+        )
 
     def hops(self, way: list[Edge]) -> Iterator[Hop]:
         """Yield what the edges of a way do with numbers."""
@@ -222,7 +233,10 @@ def _scalar(word: str, given: Given, variable: FmuVariable, affine: Affine) -> S
             raise ScenarioError(wrong)
         return word
     if variable.declared.items:
-        return word if not word.lstrip("-").isdecimal() else int(word)
+        names = [item.name for item in variable.declared.items]
+        if given.type == "Enumeration" and word in names:
+            return word
+        return int(word) if word.lstrip("-").isdecimal() else word
     truth = {"true": True, "1": True, "false": False, "0": False}
     if sort == "boolean" or given.type == "Boolean":
         if word.lower() not in truth or sort != "boolean":

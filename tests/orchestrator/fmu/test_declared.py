@@ -1,13 +1,19 @@
 """Declared types, ambiguous descriptions, structural parameters, experiments."""
 
 import zipfile
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, Literal
 
 import pytest
 from broken import SOURCES
-from foreign import compile_source, packed
+from foreign import compile_source, foreign, packed
+from lxml import etree
+from rewritten import rewritten
+from typed import typed
 
+from fmus.build import build
 from orchestrator.errors import FmuError, WiringError
 from orchestrator.fmu.declared import Item
 from orchestrator.fmu.description import FmuVariable, read_fmu
@@ -113,6 +119,12 @@ AMBIGUOUS = {
     "name twice": (3, {"names": ("k", "k")}, "two variables have the name 'k'"),
     "no name": (3, {"names": ("", "k")}, "of ModelVariables has no name"),
     "path": (2, {"identifier": "../x"}, "modelIdentifier '../x' is a path"),
+    "alias without a name": (3, {"inside": "<Alias/>"}, "an? Alias of ModelVariables"),
+    "alias of another's name": (
+        3,
+        {"names": ("k", "l"), "inside": '<Alias name="l"/>'},
+        "two variables have the name",
+    ),
     "no size": (3, {"inside": '<Dimension start="0"/>'}, "a dimension of 0"),
     "negative size": (3, {"inside": '<Dimension start="-2"/>'}, "dimension of -2"),
 }
@@ -190,3 +202,49 @@ def test_of_an_array_of_a_new_size_all_values_are_to_be_given(tmp_path: Path) ->
     component = Component("a", structural(tmp_path), Fraction(1), start=given)
     with pytest.raises(WiringError, match="give all of them"):
         plan(System("x", Fraction(1), {"a": component}, {}, {}))
+
+
+def commented(root: Any) -> None:
+    """Put a comment and a processing instruction before every element."""
+    for element in list(root.iter(etree.Element)):
+        if element.getparent() is not None:
+            element.addprevious(etree.Comment("no 1"))
+            element.addprevious(etree.ProcessingInstruction("x", "y"))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("kind", ["foreign", "typed", "plants.ball_screw.drive"])
+def test_comments_change_nothing_wherever_they_stand(
+    tmp_path: Path, fmi: Literal[2, 3], kind: str
+) -> None:
+    makers = {"foreign": foreign, "typed": typed}
+    fmu = makers[kind](fmi, tmp_path) if kind in makers else build(kind, fmi=fmi)
+    other = read_fmu(rewritten(fmu, tmp_path, commented))
+    assert replace(other, path=fmu) == read_fmu(fmu)
+
+
+def test_comments_do_not_hide_what_a_declared_type_says(tmp_path: Path) -> None:
+    of_type = 'max="2" unit="K" relativeQuantity="true"'
+    fmu = described(tmp_path, 2, of_type=of_type)
+    k = variable(rewritten(fmu, tmp_path, commented))
+    assert (k.declared.max, k.declared.relative, str(k.unit)) == ("2", True, "K")
+
+
+def test_an_alias_is_read_as_what_it_is_of_and_never_set(tmp_path: Path) -> None:
+    """It is no output, so that it makes nothing depend on more than it does."""
+
+    def edit(root: Any) -> None:
+        out = root.find("ModelVariables/*[@name='out_Float64']")
+        etree.SubElement(out, "Alias", name="seen")
+        gain = root.find("ModelVariables/*[@name='h']")
+        etree.SubElement(gain, "Alias", name="other_h")
+
+    fmu = rewritten(foreign(3, tmp_path), tmp_path, edit)
+    assert "seen" not in read_fmu(fmu).outputs
+    a = Component("a", fmu, Fraction(1), start={"in_Float64": 3.0})
+    rows = {name: (Fraction(1),) for name in ("a.seen", "a.out_Float64")}
+    found = simulate(System("x", Fraction(2), {"a": a}, {}, rows), tmp_path)
+    assert list(found["a.seen"].values) == list(found["a.out_Float64"].values)
+    assert found["a.seen"].values[-1] == 3
+    with pytest.raises(WiringError, match="cannot be set"):
+        start_values(replace(a, parameters={"other_h": 1.0}), read_fmu(fmu))
