@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from scipy import special
 
 from orchestrator.evaluation.motion import contour_error
@@ -13,7 +12,6 @@ from orchestrator.quantities.quantity import Quantity
 from orchestrator.quantities.unit import unit_of
 from orchestrator.report.contour import Traced, outline
 from orchestrator.report.limits import limits
-
 
 LENGTHS = {  # of contours of size 1; the rose by a complete elliptic integral
     "circle": 2 * np.pi,
