@@ -12,7 +12,9 @@ Nothing of feeddrive is imported before a scenario is found or a fixture asked
 for.
 """
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,29 +58,38 @@ def pytest_collect_file(
 
 
 def _expects(file: Path, seen: set[Path]) -> bool:
-    """Tell whether a file is a scenario with expectations, its own or a base's."""
+    """Tell whether a file is a scenario with expectations, its own or a base's.
+
+    One that cannot be read to the end, or means them and calls them otherwise, counts:
+    its test says what is wrong, where none would say that all is well.
+    """
     from orchestrator.scenario.toml import read_toml_text, toml
 
     seen.add(file)
+    is_base = len(seen) > 1
     try:
         text = read_toml_text(file)
     except (OSError, ValueError):
-        return False
-    if not any(word in text for word in ("base", "components", "[expect")):
+        return is_base
+    words = ("base", "components", "expect")
+    if not is_base and not any(word in text for word in words):
         return False
     try:
         tables = toml(text)
     except ValueError:
-        return len(seen) == 1 and "[expect" in text  # its test says what is wrong
+        return is_base or bool(re.search(r"(?m)^\s*\[?\s*expect", text))
     bases = tables.get("base", [])
     if "components" not in tables and not bases:
         return False
+    if get_close_matches("expect", set(tables) - {"expect"}, cutoff=0.8):
+        return True
     if isinstance(expect := tables.get("expect"), dict) and any(expect.values()):
         return True
     if tables.get("expect_like"):
         return True
     names = [bases] if isinstance(bases, str) else bases
     above = [_base(file, str(name)) for name in names if isinstance(names, list)]
+    above = [base for base in above if base.suffix == ".toml"]
     new = [base for base in above if base not in seen and len(seen) < BASES]
     return any(_expects(base, seen) for base in new)
 

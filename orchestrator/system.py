@@ -5,13 +5,26 @@ dot, the rest is the FMU's own name (or the name its ``map`` gives it).
 All times are exact fractions of a second.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Literal, TypeAlias
 
 Scalar: TypeAlias = float | bool | str
+
+
+class Rows(tuple[Scalar, ...]):
+    """An array that is written as rows: its values in their order, and its shape."""
+
+    shape: tuple[int, ...]
+
+    def __new__(cls, values: Iterable[Scalar], shape: tuple[int, ...] = ()) -> "Rows":
+        made = super().__new__(cls, values)
+        made.shape = shape
+        return made
+
+
 Value: TypeAlias = Scalar | tuple[Scalar, ...]
 Kind: TypeAlias = Literal["continuous", "sampled"]
 Interface: TypeAlias = Literal["co_simulation", "model_exchange"]

@@ -5,7 +5,14 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator.analysis.members import Group, Job, Outcome, Workers, split
+from orchestrator.analysis.members import (
+    Group,
+    Job,
+    Outcome,
+    Workers,
+    refuse_driven,
+    split,
+)
 from orchestrator.errors import ScenarioError
 from orchestrator.scenario.compose import compose
 from orchestrator.scenario.reading import load_scenario
@@ -38,7 +45,8 @@ def until_breaks(
 
     Raises:
         ScenarioError: no expectations, the key is no number of a component that is
-            not zero, or the scenario itself does not meet its expectations.
+            not zero, or a connection drives it, or the scenario itself does not meet
+            its expectations.
     """
     base = load_scenario(scenario, list(sets))
     with naming(base):
@@ -48,6 +56,7 @@ def until_breaks(
     nominal = composition.parameter(key).value
     if nominal == 0:
         raise ScenarioError(f"--until-breaks {key}: is 0; give --vary a range instead")
+    refuse_driven(composition, "--until-breaks", [key])
     with closing(Workers()) as workers:
         return nominal, _both_ways(workers(composition, 1), key, nominal)
 

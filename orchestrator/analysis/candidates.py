@@ -8,16 +8,17 @@ keeping them is better (Deb 2000).
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isnan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.analysis.fit import Free, assigned
-from orchestrator.analysis.members import Group, Job, Workers, split
+from orchestrator.analysis.members import Group, Job, Outcome, Workers, split
 from orchestrator.analysis.shots import Shots
 from orchestrator.analysis.variations import Assignment, Axis, grid
-from orchestrator.errors import TuneError
-from orchestrator.quantities.quantity import NoValue
+from orchestrator.errors import TuneError, did_you_mean
+from orchestrator.quantities.quantity import NoValue, Quantity
 from orchestrator.response.expected import loop
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Value
@@ -26,6 +27,7 @@ Real = NDArray[np.float64]
 Values = Mapping[str, Mapping[str, Value]]
 
 BAD = 1e9  # times worse than any candidate that keeps the constraints
+MOST = 1e6  # of a bound, by which it can be missed; so it is by what has no value
 
 
 @dataclass(frozen=True)
@@ -37,9 +39,19 @@ class Constraint:
     bound: float
 
     def missed(self, value: float) -> float:
-        """Return by how much of the bound a value misses it; 0 if it keeps it."""
+        """Return by how much of the bound a value misses it; 0 if it keeps it.
+
+        What has no value (nan) keeps none.
+        """
         short = self.sign * (self.bound - value)
-        return max(0.0, min(short / (abs(self.bound) or 1.0), 1e6))
+        if isnan(short):
+            return MOST
+        return max(0.0, min(short / (abs(self.bound) or 1.0), MOST))
+
+
+def owner_of(figure: str) -> str:
+    """Return the metric or response of ``loop.modulus_margin``."""
+    return figure.rpartition(".")[0]
 
 
 def parse_constraint(text: str) -> Constraint:
@@ -63,7 +75,7 @@ def parse_constraint(text: str) -> Constraint:
 class Judged:
     """One set of values: its objective in the worst variation, and what it misses.
 
-    ``failure`` says why a run of it failed, if one did.
+    ``failure`` says which run of it failed or has not the figures, and why.
     """
 
     objective: float
@@ -74,7 +86,7 @@ class Judged:
     @property
     def rank(self) -> float:
         if self.missed > 0 or not np.isfinite(self.objective):
-            return BAD * (1 + min(self.missed, 1e6))
+            return BAD * (1 + min(self.missed, MOST))
         return self.objective
 
 
@@ -99,7 +111,7 @@ class Judge:
         self._asked = {
             owner: spec.responses[owner]
             for c in constraints
-            if (owner := c.figure.rpartition(".")[0]) in spec.responses
+            if (owner := owner_of(c.figure)) in spec.responses
         }
         self.full = {n: loop(composition, s) for n, s in self._asked.items()}
         self._shots = {n: Shots(composition, r) for n, r in self.full.items()}
@@ -144,15 +156,35 @@ class Judge:
             at = divmod(outcome.index, width)
             if outcome.failure is not None:
                 missed[at] += 10.0
-                failures[at[0]] = outcome.failure
+                failures[at[0]] = f"a run failed: {outcome.failure}"
                 continue
-            for c in self.constraints:
-                if c.figure in outcome.figures:
-                    missed[at] += c.missed(outcome.figures[c.figure].value)
-            figure = outcome.figures[self._objective]
-            if not isinstance(figure, NoValue):
-                objectives[at] = figure.value
+            asked = self._figures(outcome)
+            for c in self._of_runs:
+                missed[at] += c.missed(asked[c.figure].value)
+            for name, figure in asked.items():
+                if isinstance(figure, NoValue):
+                    failures[at[0]] = f"{name} has no value: {figure.why}"
+            if not isinstance(asked[self._objective], NoValue):
+                objectives[at] = asked[self._objective].value
         return failures
+
+    @property
+    def _of_runs(self) -> list[Constraint]:
+        return [c for c in self.constraints if owner_of(c.figure) not in self._asked]
+
+    def _figures(self, outcome: Outcome) -> dict[str, Quantity]:
+        """Return the figures of a run that are asked for.
+
+        Raises:
+            TuneError: its metrics have no such figure.
+        """
+        asked = {self._objective: f"--minimise {self._objective}"}
+        asked |= {c.figure: f"--subject-to {c.figure}" for c in self._of_runs}
+        for name, where in asked.items():
+            if name not in outcome.figures:
+                remedy = did_you_mean(name, outcome.figures)
+                raise TuneError(f"{where}: no such figure; {remedy}")
+        return {name: outcome.figures[name] for name in asked}
 
     def _judged(self, objectives: Real, missed: Real, failure: str) -> Judged:
         i = int(np.argmax(missed)) if np.any(missed) else int(np.argmax(objectives))

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestrator.analysis import heir
 from orchestrator.analysis.estimate import Estimate, estimate, lag_1
-from orchestrator.analysis.heir import write_heir
 from orchestrator.analysis.measured import Measured
-from orchestrator.analysis.members import split
+from orchestrator.analysis.members import refuse_driven, split
 from orchestrator.errors import FitError
 from orchestrator.scenario.compose import Composition
 from orchestrator.system import Value, split_name
@@ -46,7 +46,8 @@ class Fit:
     """What came of a fit; arrays by signal are (rows,), in the unit of the signal.
 
     ``rms`` and ``rms_unused`` are of the residuals on the rows used and on the others
-    (None if there are none); ``words`` what their reader has to know.
+    (None if there are none); ``words`` what their reader has to know; ``designs`` the
+    steps that set something of what ran.
     """
 
     free: tuple[Free, ...]
@@ -59,6 +60,7 @@ class Fit:
     rms: Mapping[str, float]
     rms_unused: Mapping[str, float | None]
     words: tuple[str, ...]
+    designs: tuple[str, ...] = ()
 
     def values(self) -> dict[str, dict[str, object]]:
         """Return value, standard error and unit by name, as ``fit --json`` prints."""
@@ -86,9 +88,11 @@ def free_values(
     Raises:
         FitError: a name is no real parameter or start value, or its bracket does not
             hold its start value.
+        ScenarioError: a connection drives it.
     """
     if unknown := [name for name in brackets if name not in names]:
         raise FitError(f"--bounds {unknown[0]}: it is not among --free")
+    refuse_driven(composition, "--free", names)
     return tuple(
         _free(composition, name, brackets.get(name), (about or {}).get(name))
         for name in names
@@ -182,6 +186,9 @@ def fit(
         name: _rms(e[used:]) if used < measured.rows else None
         for name, e in apart.items()
     }
+    steps = composition.scenario.spec.design.items()
+    ran = measured.system.components
+    designs = tuple(name for name, step in steps if any(c in ran for c in step.sets))
     return Fit(
         tuple(free),
         found,
@@ -192,9 +199,11 @@ def fit(
         {name: str(composition.unit(name)) for name in target},
         rms,
         others,
-        tuple(
-            _words(free, found, {n: e[:used] for n, e in apart.items()}, rms, others)
+        (
+            *_words(free, found, {n: e[:used] for n, e in apart.items()}, rms, others),
+            *heir.words(composition, names, designs),
         ),
+        designs,
     )
 
 
@@ -250,7 +259,10 @@ def _words(
 
 
 def scenario_of(composition: Composition, found: Fit, data: Path, target: Path) -> Path:
-    """Write the scenario that inherits from the fitted one and has the values found."""
+    """Write the scenario that inherits from the fitted one and has the values found.
+
+    A design of what ran in the fit stays as it was then; any other is done anew.
+    """
     values = {name: float(str(told["value"])) for name, told in found.values().items()}
     title = f"{composition.scenario.name} fitted to {data.name}"
-    return write_heir(composition, values, title, target)
+    return heir.write_heir(composition, values, title, target, found.designs)

@@ -27,10 +27,12 @@ from orchestrator.errors import (
     ProcessEnded,
     ScenarioError,
     SimulationError,
+    WiringError,
 )
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import Check, check
 from orchestrator.evaluation.metrics import evaluate
+from orchestrator.fmu.ports import ports
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.groups import only_python
 from orchestrator.master.loaded import Loaded
@@ -185,13 +187,11 @@ class Group:
     ) -> Outcome:
         spec = self.composition.scenario.spec
 
+        member = cache(lambda: self.composition.with_values(job.values))
+
         def parameter(name: str) -> Quantity:
-            component, variable = split_name(name)
-            own = self._own(name)
-            given = job.values.get(component, {}).get(variable)
-            if given is None or isinstance(given, tuple | str):
-                return own
-            return Quantity(float(given), own.unit)
+            own = split_name(name)[0] not in job.values
+            return self._own(name) if own else member().parameter(name)
 
         try:
             figures = evaluate(spec.metrics, signals, parameter, ended)
@@ -228,7 +228,7 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
         return None
     variable = variable.removeprefix("parameters.").removeprefix("start.")
     part = composition.system.components[component]
-    if f"{component}.{variable}" in composition.in_gains:
+    if composition.in_gain(component, variable):
         return None  # the gain changes with it
     described = composition.fmus[component].variables
     theirs = part.map[variable].name if variable in part.map else variable
@@ -243,3 +243,30 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
     if quantity.unit == "1":
         return quantity.value
     return quantity.to(composition.unit(key)).value
+
+
+def numbers(composition: Composition, full: str) -> set[str]:
+    """Return the numbers of FMUs that a name stands for; none if it is another text."""
+    owner, name = split_name(full)
+    if owner not in composition.system.components:
+        return set()
+    try:
+        found = ports(
+            composition.system.components[owner], composition.fmus[owner], name
+        )
+    except WiringError:
+        return set()
+    return {f"{owner}.{port.variable.name}[{port.element}]" for port in found}
+
+
+def refuse_driven(composition: Composition, option: str, keys: Iterable[str]) -> None:
+    """Raise ``ScenarioError`` if a connection drives what is to be varied."""
+    connections = composition.system.connections
+    driven = {n: sink for sink in connections for n in numbers(composition, sink)}
+    for key in keys:
+        for sink in (driven[n] for n in numbers(composition, key) if n in driven):
+            raise ScenarioError(
+                f"{option} {key}: {connections[sink]} drives it, so that a value set "
+                f"is only where the initialisation begins; leave the connection out, "
+                f'"{sink}" = false in [connections]'
+            )

@@ -1,8 +1,8 @@
 """A sweep: a scenario's figures over values that are varied.
 
-``sweep`` carries out every member and keeps what is done: each outcome is a line
-of ``members.jsonl`` in the folder of the sweep as soon as it is known, so that an
-interrupted one can be resumed; ``figures.parquet`` is made of them at the end.
+``sweep`` carries out every member and keeps what is done (``kept``): each outcome is
+a line in the folder of the sweep as soon as it is known, so that an interrupted one
+can be resumed; ``figures.parquet`` is made of them at the end.
 """
 
 import json
@@ -14,10 +14,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
-from orchestrator.analysis.members import Job, Outcome, Workers, split
+from orchestrator.analysis.kept import MEMBERS, Identity, done_before, identity, note
+from orchestrator.analysis.members import Job, Outcome, Workers, refuse_driven, split
 from orchestrator.analysis.variations import Assignment, Axis, Setting, grid
 from orchestrator.errors import FeedDriveError, ScenarioError
-from orchestrator.quantities.quantity import NoValue
+from orchestrator.quantities.quantity import NoValue, parse_quantity
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.reading import Scenario, load_scenario
 from orchestrator.session import naming, run_earlier
@@ -26,7 +27,7 @@ from orchestrator.shown import framed
 if TYPE_CHECKING:
     import pandas as pd
 
-MEMBERS, FIGURES = "members.jsonl", "figures.parquet"
+FIGURES = "figures.parquet"
 Progress: TypeAlias = Callable[[int], None]
 
 
@@ -97,18 +98,21 @@ def sweep(
     *,
     sets: Sequence[str] = (),
     folder: Path | None = None,
+    earlier: Path | None = None,
     progress: Progress | None = None,
     making: Making | None = None,
 ) -> Sweep:
     """Carry out a scenario for every combination of axes, or for each assignment.
 
     ``sets`` hold for all members; ``folder`` keeps outcomes as they come and what
-    stands in it already is not done again; ``progress`` is told how many are done.
-    ``making`` returns what carries out a composition's members, else this machine.
+    stands in it already, or in the folder ``earlier`` of another one, is not done
+    again; ``progress`` is told how many are done.  ``making`` returns what carries
+    out a composition's members, else this machine.
 
     Raises:
         FeedDriveError: the scenario, or a member's rates, latencies or FMUs, cannot
-            be composed; a member that fails while it runs is an outcome.
+            be composed, or what stands in the folder is of another sweep; a member
+            that fails while it runs is an outcome.
     """
     begun = perf_counter()
     base = load_scenario(scenario, list(sets))
@@ -117,32 +121,35 @@ def sweep(
     if not nominal.scenario.spec.metrics:
         raise ScenarioError(f"{base.file}: a sweep shows figures; add [metrics]")
     assignments = _assignments(variations)
-    keys = tuple(dict.fromkeys(key for a in assignments for key in a))
-    done = _done(folder, assignments) if folder else {}
+    this = identity(nominal, sets, assignments)
+    there = earlier or folder
+    rows, units = done_before(there, this, assignments) if there else ({}, {})
     executors: set[str] = set()
-    units: dict[str, str] = {}
-    rows: dict[int, dict[str, Any]] = dict(done)
     if progress:
         progress(len(rows))
-    with _Lines(folder) as lines, closing(Workers()) as workers:
+    with _Lines(folder, this, units) as lines, closing(Workers()) as workers:
+        if earlier and earlier != folder:
+            for row in rows.values():
+                lines.add(row)
         where = making or workers
-        for group, jobs in _groups(base, nominal, assignments, sets, rows, where):
+        left = {i: a for i, a in enumerate(assignments) if i not in rows}
+        for group, jobs in _groups(base, nominal, left, sets, where):
             executors.add(group.executor)
             for outcome in group.run(jobs):
                 row = _row(outcome, assignments[outcome.index])
-                units.update({k: str(q.unit) for k, q in outcome.figures.items()})
+                lines.know({k: str(q.unit) for k, q in outcome.figures.items()})
                 rows[outcome.index] = row
                 lines.add(row)
                 if progress:
                     progress(len(rows))
     found = Sweep(
         base.name,
-        keys,
+        this.keys,
         tuple(rows[i] for i in sorted(rows)),
-        units,
+        lines.units,
         perf_counter() - begun,
         tuple(sorted(executors)),
-        {k: v for k in keys if (v := _value(nominal, k)) is not None},
+        {k: v for k in this.keys if (v := _value(nominal, k)) is not None},
     )
     if folder is not None:
         write_table(found, folder / FIGURES)
@@ -162,25 +169,62 @@ def _assignments(
 
 def _groups(
     base: Scenario,
-    nominal: Composition,
-    assignments: Sequence[Assignment],
+    composition: Composition,
+    members: Mapping[int, Assignment],
     sets: Sequence[str],
-    done: Mapping[int, Any],
     making: Making,
 ) -> Iterator[tuple[Runner, list[Job]]]:
-    """Yield every composition with the members that share it."""
+    """Yield every composition with the members that share it.
+
+    What is a number of a component, and in which unit, is judged by the composition
+    that a member has, not by the nominal one.
+    """
     jobs: dict[tuple[str, ...], list[Job]] = {}
-    for index, assignment in enumerate(assignments):
-        if index not in done:
-            values, more = split(nominal, assignment)
-            jobs.setdefault(more, []).append(Job(index, values))
-    for more, members in jobs.items():
-        composition = nominal
-        if more:
-            scenario = load_scenario(base.file, [*sets, *more])
-            with naming(scenario):
-                composition = compose(scenario, run_earlier)
-        yield making(composition, len(members)), members
+    for index, assignment in members.items():
+        values, more = split(composition, assignment)
+        jobs.setdefault(more, []).append(Job(index, values))
+    for more, sharing in jobs.items():
+        if not more:
+            keys = dict.fromkeys(k for job in sharing for k in members[job.index])
+            refuse_driven(composition, "--vary", keys)
+            yield making(composition, len(sharing)), sharing
+            continue
+        scenario = load_scenario(base.file, [*sets, *more])
+        with naming(scenario):
+            composed = compose(scenario, run_earlier)
+        left = {job.index: _without(members[job.index], more) for job in sharing}
+        _refuse_other_units(composition, composed, left)
+        yield from _groups(base, composed, left, [*sets, *more], making)
+
+
+def _without(assignment: Assignment, sets: Sequence[str]) -> Assignment:
+    return {k: v for k, v in assignment.items() if f"{k}={v}" not in sets}
+
+
+def _refuse_other_units(
+    nominal: Composition, composed: Composition, members: Mapping[int, Assignment]
+) -> None:
+    """Raise ``ScenarioError`` if a number without a unit means two quantities."""
+    plain = {k for a in members.values() for k, v in a.items() if _is_plain(v)}
+    for key in sorted(plain):
+        one, other = _unit(nominal, key), _unit(composed, key)
+        if one != other and None not in (one, other):
+            raise ScenarioError(
+                f"--vary {key}: is in {one} with one FMU and in {other} with "
+                f'another; write values with their unit, --vary "{key}=1 {one},2 {one}"'
+            )
+
+
+def _is_plain(setting: Setting) -> bool:
+    with suppress(ValueError):
+        return not isinstance(setting, str) or parse_quantity(setting).unit == "1"
+    return False
+
+
+def _unit(composition: Composition, key: str) -> str | None:
+    with suppress(FeedDriveError):
+        return str(composition.unit(key))
+    return None
 
 
 def _value(composition: Composition, key: str) -> float | None:
@@ -221,10 +265,15 @@ def _row(outcome: Outcome, assignment: Assignment) -> dict[str, Any]:
 
 
 class _Lines:
-    """Outcomes on disk as they come, one JSON object a line."""
+    """Outcomes on disk as they come, one JSON object a line, and units of figures."""
 
-    def __init__(self, folder: Path | None) -> None:
+    def __init__(
+        self, folder: Path | None, this: Identity, units: Mapping[str, str]
+    ) -> None:
+        self._folder, self._this, self.units = folder, this, dict(units)
         self._file = (folder / MEMBERS).open("a", encoding="utf-8") if folder else None
+        if folder:
+            note(folder, this, units)
 
     def __enter__(self) -> "_Lines":
         return self
@@ -233,33 +282,19 @@ class _Lines:
         if self._file:
             self._file.close()
 
+    def know(self, units: Mapping[str, str]) -> None:
+        """Take the units of a member's figures."""
+        if units.items() <= self.units.items():
+            return
+        self.units |= units
+        if self._folder:
+            note(self._folder, self._this, self.units)
+
     def add(self, row: Mapping[str, Any]) -> None:
         """Append a member's row."""
         if self._file:
             self._file.write(json.dumps(row) + "\n")
             self._file.flush()
-
-
-def _done(folder: Path, assignments: Sequence[Assignment]) -> dict[int, dict[str, Any]]:
-    """Return the rows that an earlier sweep into this folder has left.
-
-    Raises:
-        ScenarioError: they are of other members.
-    """
-    file = folder / MEMBERS
-    rows: dict[int, dict[str, Any]] = {}
-    for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
-        with suppress(json.JSONDecodeError):  # the last line of a killed sweep
-            row = json.loads(line)
-            rows[row["member"]] = row
-    for index, row in rows.items():
-        fits = index < len(assignments)
-        if not fits or any(row.get(k) != v for k, v in assignments[index].items()):
-            raise ScenarioError(
-                f"{file}: holds members of another sweep; give the same --vary, "
-                f"--sample and --seed, or another folder"
-            )
-    return rows
 
 
 def write_table(sweep: Sweep, file: Path) -> None:

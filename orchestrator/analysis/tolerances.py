@@ -34,13 +34,19 @@ def tolerances_of(composition: Composition) -> list[Tolerance]:
     """Return the tolerances of a composed scenario, in the units of its variables.
 
     Raises:
-        ScenarioError: a number cannot be read, or a spread is not positive.
+        ScenarioError: a number cannot be read, a spread is not positive, or a share
+            is of zero.
     """
     found = []
     for key, spec in composition.scenario.spec.tolerances.items():
         where = f'tolerances."{key}"'
         if spec.around is not None:
             nominal = composition.parameter(key).value
+            if nominal == 0:
+                raise ScenarioError(
+                    f"{where}: {key} is 0, of which every percentage is 0; write "
+                    f"{{ uniform = [a, b] }} or {{ normal = [mean, deviation] }}"
+                )
             ends = nominal * (1 - spec.around), nominal * (1 + spec.around)
             found.append(Tolerance(key, "uniform", min(ends), max(ends)))
         elif spec.uniform is not None:

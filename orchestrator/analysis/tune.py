@@ -6,17 +6,18 @@ that and the polish repeated.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis.candidates import Constraint, Judge, Judged
+from orchestrator.analysis.candidates import Constraint, Judge, Judged, owner_of
 from orchestrator.analysis.fit import Free
 from orchestrator.analysis.heir import write_heir
-from orchestrator.analysis.members import Workers
-from orchestrator.analysis.variations import Axis, Setting
+from orchestrator.analysis.members import Workers, numbers, refuse_driven
+from orchestrator.analysis.variations import Assignment, Axis, Setting
 from orchestrator.errors import TuneError, did_you_mean
 from orchestrator.response.expected import loop
 from orchestrator.response.figures import figures as response_figures
@@ -74,9 +75,11 @@ def tune(
     the composition with values, which is measured in full at the end.
 
     Raises:
-        TuneError: unknown figures, or no candidate keeps the constraints.
+        TuneError: unknown figures, what is free is varied too, or no candidate keeps
+            the constraints.
     """
     _refuse_unknown(composition, objective, constraints)
+    _refuse_free_and_varied(composition, free, over)
     workers = Workers()
     judge = Judge(composition, free, objective, constraints, over, workers)
     try:
@@ -95,11 +98,12 @@ def tune(
         found = judge.judge(x[None])[0]
         if found.missed > 0 or not np.isfinite(found.objective):
             bounds = " and ".join(c.figure for c in constraints) or "a finite figure"
-            why = f"; a run failed: {found.failure}" if found.failure else ""
+            why = f"; {found.failure}" if found.failure else ""
             raise TuneError(
                 f"no candidate keeps {bounds} in every variation; widen --bounds or "
                 f"lower a bound{why}"
             )
+        _refuse_missed(constraints, judge.variations, after)
         nominal = _full(judge, recompose, _named(free, x))
         margins = {
             key: (q.value, response_figures(name, nominal[name])[key].value)
@@ -124,7 +128,7 @@ def _refuse_unknown(
     composition: Composition, objective: str, constraints: Sequence[Constraint]
 ) -> None:
     spec = composition.scenario.spec
-    owner = objective.rpartition(".")[0]
+    owner = owner_of(objective)
     if owner not in spec.metrics:
         raise TuneError(
             f"--minimise {objective}: no such metric; "
@@ -146,6 +150,20 @@ def _refuse_unknown(
                 f"--subject-to {c.figure}: neither a metric nor one of [responses]; "
                 f"{known}"
             )
+
+
+def _refuse_free_and_varied(
+    composition: Composition, free: Sequence[Free], over: Sequence[Axis]
+) -> None:
+    refuse_driven(composition, "--over", (axis.key for axis in over))
+    for axis in over:
+        varied = numbers(composition, axis.key)
+        for one in free:
+            if one.name == axis.key or varied & numbers(composition, one.name):
+                raise TuneError(
+                    f"--over {axis.key}: is free too, so that every candidate would "
+                    f"be run with the varied value; leave {axis.key} out of one"
+                )
 
 
 class Space:
@@ -264,19 +282,39 @@ def _tightened(
     wanted: Constraint, now: Constraint, after: Sequence[Mapping[str, Response]]
 ) -> Constraint:
     """Return the bound as it is ``now``, or further by what ``wanted`` is missed by."""
-    owner = wanted.figure.rpartition(".")[0]
-    short = max(
-        (
-            wanted.sign
-            * (wanted.bound - response_figures(owner, of[owner])[wanted.figure].value)
-            for of in after
-            if owner in of
-        ),
-        default=0.0,
-    )
-    if short <= 0:
+    short = [wanted.sign * (wanted.bound - v) for v in _of_all(wanted, after)]
+    missed = [s for s in short if not s <= 0]
+    if not missed or not all(map(isfinite, missed)):  # nobody knows by how much
         return now
-    return Constraint(now.figure, now.sign, now.bound + 1.2 * now.sign * short)
+    return replace(now, bound=now.bound + 1.2 * now.sign * max(missed))
+
+
+def _of_all(wanted: Constraint, after: Sequence[Mapping[str, Response]]) -> list[float]:
+    """Return the figure of a bound in every variation; nothing if it is a metric's."""
+    owner = owner_of(wanted.figure)
+    return [
+        response_figures(owner, of[owner])[wanted.figure].value
+        for of in after
+        if owner in of
+    ]
+
+
+def _refuse_missed(
+    constraints: Sequence[Constraint],
+    variations: Sequence[Assignment],
+    after: Sequence[Mapping[str, Response]],
+) -> None:
+    """Raise ``TuneError`` if what is measured in full at the end misses a bound."""
+    for c in constraints:
+        for value, variation in zip(_of_all(c, after), variations, strict=False):
+            if c.missed(value) > 0:
+                there = ", ".join(f"{k} = {v}" for k, v in variation.items())
+                at = f" at {there}" if there else ""
+                raise TuneError(
+                    f"{c.figure} is {value:.5g}{at} when measured in full, the bound "
+                    f"{c.bound:g} is missed by what the quick looks are wrong by; "
+                    f"widen --bounds or ask for a bound farther than is needed"
+                )
 
 
 def scenario_of(composition: Composition, found: Tuned, target: Path) -> Path:

@@ -79,6 +79,11 @@ def parse_axis(text: str, nominal: Nominal) -> Axis:
     around = _AROUND.fullmatch(spread)
     if around:
         centre, share = nominal(key), float(around[1]) / 100
+        if centre == 0:
+            raise ScenarioError(
+                f"--vary {text}: {key} is 0, of which every percentage is 0; write "
+                f"its values, {key}=a:b:{n}"
+            )
         ends, unit = (centre * (1 - share), centre * (1 + share)), ""
     else:
         ends, unit = _ends(text, spread)

@@ -135,6 +135,13 @@ def _bands(
     members = [
         {key: one[u.keys[0]] for u in spread.unknown for key in u.keys} for one in drawn
     ]
+    for row in spread.rows:
+        said = rows[row].published
+        if isinstance(said, Statement) and said.other:
+            raise ScenarioError(
+                f"{name}: {row} is compared with {said.other}, of which the "
+                f"members of a band say nothing; leave the row out"
+            )
     done = sweep(study / f"{spread.scenario}.toml", members, sets=spread.set)
     over = tuple(
         f"{', '.join(u.keys)} {u.between[0]:g} to {u.between[1]:g}: {u.why}"

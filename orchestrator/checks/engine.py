@@ -103,8 +103,10 @@ def _note(outcome: Outcome, said: Said) -> None:
 
 
 def _judged(outcome: Outcome) -> Outcome:
-    if outcome.findings:
-        outcome.verdict = "finding"
+    """Findings are the verdict, but no advice hides that the rest was not tried."""
+    stopped = outcome.verdict == "could not be run"
+    if any(f.severity == "error" for f in outcome.findings) or not stopped:
+        outcome.verdict = "finding" if outcome.findings else outcome.verdict
     return outcome
 
 

@@ -97,6 +97,7 @@ class Report:
             if outcome.verdict == "pass":
                 continue
             lines = [f"{f.severity}: {f.text}" for f in outcome.findings]
+            lines += [f"not tried to the end: {outcome.reason}"] * bool(outcome.reason)
             text = outcome.reason or f"{self.clause(item)}: {item.mend}"
             told = etree.SubElement(case, kinds[outcome.verdict], message=_plain(text))
             told.text = _plain("\n".join(lines))

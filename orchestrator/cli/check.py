@@ -131,7 +131,10 @@ def print_report(report: "Report") -> None:
             f"{o.item.number} {o.item.part}",
             o.item.title,
             o.verdict,
-            o.reason if o.verdict != "finding" else f"{len(o.findings)}, see below",
+            "; ".join(
+                [f"{len(o.findings)}, see below"] * bool(o.findings)
+                + [o.reason] * bool(o.reason)
+            ),
         ]
         if not o.seen or o.reason or o.findings
         else [f"{o.item.number} {o.item.part}", o.item.title, o.verdict, o.seen[-1]]

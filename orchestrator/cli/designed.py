@@ -33,6 +33,7 @@ def designed(name: str) -> Designed:
         return Designed(name)
     from fmus.build import load_model
     from fmus.model import Sampled
+    from orchestrator.fmu.start_values import start_values
     from orchestrator.scenario.compose import compose
     from orchestrator.scenario.reading import load_scenario
     from orchestrator.session import run_earlier
@@ -55,9 +56,13 @@ def designed(name: str) -> Designed:
     if module.endswith(".py"):
         module = str(scenario.file.parent / module)
     sampled = isinstance(load_model(module), Sampled)
+    values: dict[str, Value] = {}  # by the names, and in the units, of the model
+    for variable, held in start_values(part, composition.fmus[component]):
+        numbers = tuple(map(float, held))
+        values[variable.name] = numbers if variable.shape else numbers[0]
     return Designed(
         module,
         part.period if sampled else None,
-        {**part.start, **part.parameters},
+        values,
         f"\n\nStart values: those of {component} in {file}.\n",
     )

@@ -1,5 +1,6 @@
 """The verb ``fit``: parameters of models from measured data."""
 
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -96,9 +97,12 @@ def bracket(text: str) -> "tuple[str, Bracket]":
     name, _, written = text.partition("=")
     low, _, high = written.partition(":")
     try:
-        return name.strip(), (float(low), float(high))
+        ends = float(low), float(high)
     except ValueError:
-        raise ScenarioError(f"--bounds {text}: write plant.m_2=0.1e-3:1e-3") from None
+        ends = inf, inf
+    if not all(map(isfinite, ends)):
+        raise ScenarioError(f"--bounds {text}: write plant.m_2=0.1e-3:1e-3")
+    return name.strip(), ends
 
 
 def _rows(found: "Fit") -> list[list[str]]:

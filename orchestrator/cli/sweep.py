@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -140,16 +141,16 @@ def _sweep(
     total = sum(1 for _ in grid(axes)) if axes else len(variations)
     drawn = () if sample is None else (f"--sample {sample} --n {n} --seed {seed}",)
     changed = (*(f"--vary {v}" for v in vary), *drawn, *sets)
+    earlier = _last(name) if resume else None
     cluster = Cluster(scheduler) if scheduler else None
     with taken(output, Begun("sweep", name, changed)) as place:
-        if resume:
-            _go_on(name, place.path)
         with _progress(name, total) as progress:
             found = sweep(
                 scenario,
                 variations,
                 sets=sets,
                 folder=place.path,
+                earlier=earlier,
                 progress=progress,
                 making=cluster,
             )
@@ -180,7 +181,7 @@ def _sweep(
     if json:
         print_json(told)
     else:
-        _print(found)
+        _print(found, scenario, sets)
         echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
     if found.failed:
         total = len(found.rows)
@@ -188,26 +189,23 @@ def _sweep(
         raise typer.Exit(1)
 
 
-def _go_on(name: str, folder: Path) -> None:
-    """Take over what the last sweep of a scenario has done."""
-    from orchestrator.analysis.sweep import MEMBERS
+def _last(name: str) -> Path:
+    """Return the folder of the last sweep of a scenario that did something."""
+    from orchestrator.analysis.kept import MEMBERS
     from orchestrator.errors import ScenarioError
     from orchestrator.history import listing
     from orchestrator.history.folder import RUNS
 
     earlier = [
-        e
+        e.folder
         for e in listing.entries(RUNS)
         if e.kind == "sweep"
         and e.name.rpartition("/")[0] == name
-        and e.folder.resolve() != folder.resolve()
         and (e.folder / MEMBERS).is_file()
     ]
     if not earlier:
         raise ScenarioError(f"--resume: there is no sweep of {name} in {RUNS}/")
-    lines = (earlier[-1].folder / MEMBERS).read_text(encoding="utf-8")
-    whole = lines[: lines.rfind("\n") + 1]
-    (folder / MEMBERS).write_text(whole, encoding="utf-8")
+    return earlier[-1]
 
 
 def _words(found: "Sweep") -> list[str]:
@@ -227,7 +225,7 @@ def _words(found: "Sweep") -> list[str]:
     return words
 
 
-def _print(found: "Sweep") -> None:
+def _print(found: "Sweep", scenario: str, given: Sequence[str]) -> None:
     names = [*found.keys, *found.units]
     head = ["member", *(f">{n}" for n in found.keys)]
     head += [f">{n} ({u})" for n, u in found.units.items()]
@@ -242,8 +240,14 @@ def _print(found: "Sweep") -> None:
         echo(line)
     worst = next((r for r in found.rows if r["broken"] or r["failure"]), None)
     if worst is not None:
-        sets = " ".join(f'--set "{k}={worst[k]}"' for k in found.keys)
-        echo(f"member {worst['member']} in full: feeddrive run {found.scenario} {sets}")
+        sets = [*given, *(f"{k}={worst[k]}" for k in found.keys)]
+        command = " ".join([quote(scenario), *(f"--set {_quoted(s)}" for s in sets)])
+        echo(f"member {worst['member']} in full: feeddrive run {command}")
+
+
+def _quoted(text: str) -> str:
+    """Return what is set as a shell reads it."""
+    return quote(text) if set(text) & set('"$`\\!') else f'"{text}"'
 
 
 def _cell(value: Any) -> str:

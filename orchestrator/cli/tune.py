@@ -1,6 +1,7 @@
 """The verb ``tune``: gains that make a figure small and keep margins."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -70,6 +71,7 @@ def tune(
     from orchestrator.analysis import tune as tuning
     from orchestrator.analysis.begin import begin_of, free_of
     from orchestrator.analysis.candidates import parse_constraint
+    from orchestrator.analysis.heir import words
     from orchestrator.analysis.variations import parse_axis
     from orchestrator.scenario.compose import compose
     from orchestrator.scenario.reading import load_scenario
@@ -124,7 +126,7 @@ def tune(
         return
     print_table(HEAD, _values(found), f"{loaded.name} tuned")
     print_table(FIGURES, _figures(found, minimise))
-    for line in _begun(found, begin):
+    for line in (*_begun(found, begin), *words(composition, found.best())):
         typer.echo(line)
     typer.echo(f"{found.evaluations} runs\nscenario: {target}\nreport: {page}")
 
@@ -141,12 +143,13 @@ class _Keeping:
     def __call__(self, generation: int, x: Any, judged: Any) -> None:
         from orchestrator.analysis.heir import write_heir
 
-        if judged.rank < self._rank and not judged.missed:
+        sound = not judged.missed and isfinite(judged.objective)
+        if judged.rank < self._rank and sound:
             self._rank = judged.rank
             best = {f.name: float(v) for f, v in zip(self._free, x, strict=True)}
             title = f"{self._composition.scenario.name} tuned, generation {generation}"
             write_heir(self._composition, best, title, self._target)
-        told = "keeps no bound yet" if judged.missed else f"{judged.objective:.6g}"
+        told = f"{judged.objective:.6g}" if sound else "keeps no bound yet"
         typer.echo(f"generation {generation}: {told}", err=True)
 
 

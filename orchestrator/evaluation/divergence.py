@@ -67,7 +67,7 @@ def divergence(
 
 def _passing(one: _Limited) -> float | None:
     """Return when a signal that begins within its limit passes it."""
-    y = one.values
+    y = one.values.astype(float)  # of whole numbers without a sign -y is none
     if max(-np.min(y), np.max(y)) <= one.limit or abs(y[0]) > one.limit:
         return None
     return float(one.time[np.argmax(np.abs(y) > one.limit)])

@@ -51,6 +51,7 @@ from orchestrator.quantities.unit import (
     conversion,
     product_unit,
     quotient_unit,
+    refuse_multiple,
     unit_of,
 )
 from orchestrator.result import End, Signal
@@ -145,12 +146,20 @@ def scaled(
     Without ``to_unit`` the unit is that of signal * scale / per.
     """
     total = factors(spec, signal.unit, parameter)
+    if total.value != 1 and not _of_difference(spec):
+        refuse_multiple(f"scale or per, {total.value:g}", unit_of(total.unit))
     values, own = signal.values * total.value, unit_of(total.unit)
     if to_unit is None:
         return values, own
     wanted = own if to_unit == own and not isinstance(to_unit, Unit) else to_unit
     unit = unit_of(wanted).of_difference(own.relative)
     return converter(own, unit)(values), unit
+
+
+def _of_difference(spec: MetricSpec) -> bool:
+    """Tell whether all figures of a metric are differences of values."""
+    kinds = ErrorMetric | ContourMetric | SineMetric | SpectrumMetric
+    return isinstance(spec, kinds) or spec.kind == "span"
 
 
 def unit_doubts(

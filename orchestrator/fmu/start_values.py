@@ -3,16 +3,16 @@
 Parameters and start values are one table: of a name in both the start value holds.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from itertools import product
 from typing import TypeAlias
 
 from orchestrator.errors import WiringError
 from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import Port, indices_of, ports
+from orchestrator.fmu.shape import refuse_other_shape
 from orchestrator.fmu.typed import Held, held
-from orchestrator.system import Component, Value
+from orchestrator.system import Component
 
 Written: TypeAlias = tuple[FmuVariable, tuple[Held, ...]]
 
@@ -35,6 +35,7 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
         except WiringError as error:
             raise WiringError(f"{where}: {error}") from None
         _refuse_what_cannot_be_set(where, found)
+        refuse_other_shape(where, value, found)
         given = value if isinstance(value, tuple) else (value,)
         if len(given) != len(found):
             raise WiringError(
@@ -48,14 +49,6 @@ def start_values(component: Component, fmu: FmuDescription) -> tuple[Written, ..
             _, values = whole.setdefault(v.name, (v, known))
             values[port.element] = held(where, port, one, fmu.fmi_major)
     return tuple(_complete(component.name, *written) for written in whole.values())
-
-
-def with_values(component: Component, given: Mapping[str, Value]) -> Component:
-    """Return a component that has these parameters and start values besides its own."""
-    parameters, start = dict(component.parameters), dict(component.start)
-    for key, value in given.items():
-        (start if key in start else parameters)[key] = value
-    return replace(component, parameters=parameters, start=start)
 
 
 def _refuse_what_cannot_be_set(where: str, found: Sequence[Port]) -> None:

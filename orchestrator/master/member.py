@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
-from orchestrator.fmu.start_values import start_values, with_values
+from orchestrator.fmu.laid import laid
+from orchestrator.fmu.start_values import start_values
 from orchestrator.master.layout import Part
 from orchestrator.master.timetable import Timetable
 from orchestrator.system import Value
@@ -18,7 +19,7 @@ def part_with(part: Part, given: Mapping[str, Value]) -> Part:
     Raises:
         WiringError: a value names no variable, or does not fit it.
     """
-    component = with_values(part.component, given)
+    component = laid(part.component, part.fmu, given)
     written = start_values(component, part.fmu)
     return replace(part, component=component, start=written)
 

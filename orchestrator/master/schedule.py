@@ -53,7 +53,9 @@ class Stretch(Generic[T]):
         """Count the instants of all repetitions that lie before instant k."""
         if k <= self.first:
             return 0
-        r, rest = divmod(k - self.first, self.length) if self.repeats > 1 else (0, k)
+        r, rest = 0, k - self.first
+        if self.repeats > 1:
+            r, rest = divmod(rest, self.length)
         whole = min(max(r, 0), self.repeats) * len(self.offsets)
         return whole + (bisect_left(self.offsets, rest) if r < self.repeats else 0)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from orchestrator.master.remembered import Words
 from orchestrator.master.saved import Saved, as_text, described, kept_times, read
 from orchestrator.master.timetable import Timetable, table_name
 
+Key: TypeAlias = tuple[str, ...]
 REASONS = {
     "fmu": "its FMU is another file, and a state is that of one FMU",
     "connections": "its connections, or the gains and offsets of their maps, differ",
@@ -207,10 +208,11 @@ class Warm:
                     f"{where}: what begins up to {_s(time)} has to be as it was there"
                 )
             period = self._wiring.parts[faulty.edge.source].component.period
-            for fault, told in zip(faulty.faults, here, strict=True):
+            known = set(_keys(before, time))
+            for fault, told in zip(faulty.faults, _keys(here, time), strict=True):
                 filled = time + (fault.samples + 1) * period
                 remembers = fault.kind in ("delay", "stuck")
-                if told not in before and remembers and fault.start < filled:
+                if told not in known and remembers and fault.start < filled:
                     raise self._refusal(
                         f"{where}: a new fault ({fault.kind}) knows what was published "
                         f"before it from {_s(filled)} on; let it begin then or later"
@@ -226,24 +228,37 @@ class Warm:
         """
         there, rest = {}, self._saved.remembered.faults
         for place, chain in self._saved.about["faults"]:
-            sizes = [int(fault[2]) + 1 for fault in chain]
             clean, rest = rest[:1], rest[1:]
-            held = {}
-            for fault, size in zip(chain, sizes, strict=True):
-                held[tuple(fault)], rest = rest[:size], rest[size:]
+            held: dict[Key, list[Words]] = {}
+            for fault, key in zip(chain, _keys(chain, self._origin.time), strict=True):
+                size = int(fault[2]) + 1
+                held.setdefault(key, []).append(rest[:size])
+                rest = rest[size:]
             there[place] = clean, held
         found, at = fresh.copy(), 0
         for faulty in self._wiring.faulty:
             clean, held = there.get(faulty.place, (fresh[at : at + 1], {}))
             found[at : at + 1], at = clean, at + 1
-            for fault in faulty.faults:
-                key, size = tuple(str(x) for x in vars(fault).values()), fault.samples
-                found[at : at + size + 1] = held.get(key, fresh[at : at + size + 1])
-                at += size + 1
+            here = [[str(x) for x in vars(fault).values()] for fault in faulty.faults]
+            for fault, key in zip(here, _keys(here, self._origin.time), strict=True):
+                size = int(fault[2]) + 1
+                if held.get(key):
+                    found[at : at + size] = held[key].pop(0)
+                at += size
         return found
 
     def _refusal(self, why: str) -> ScenarioError:
         return ScenarioError(f"--from {self._origin}: {why}")
+
+
+def _keys(chain: list[list[str]], time: Fraction) -> Iterator[Key]:
+    """Yield each fault with what acted before it up to a time (s), by count: what it
+    remembers is the same where both are.
+    """
+    begun = 0
+    for fault in chain:
+        yield (str(begun), *fault)
+        begun += Fraction(fault[3]) <= time
 
 
 def _begun(chain: list[list[str]], time: Fraction) -> list[list[str]]:

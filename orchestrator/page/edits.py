@@ -35,7 +35,7 @@ def found_parts(
         try:
             located = locate(scenario, scenario.spec, name, spec)
             found[name] = (
-                component_of(name, spec, located, {}),
+                component_of(name, spec, located),
                 read_fmu(located.path),
             )
         except Exception as error:  # a BuildError, too; the page shows what is left

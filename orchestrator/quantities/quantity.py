@@ -15,7 +15,7 @@ from typing import Any
 
 from orchestrator.quantities.unit import Unit, conversion, unit_of
 
-_SECONDS = {
+SECONDS = {
     "s": Fraction(1),
     "ms": Fraction(1, 10**3),
     "us": Fraction(1, 10**6),
@@ -75,12 +75,12 @@ def parse_time(value: Any) -> Fraction:
         if Fraction(below) == 0:
             raise ValueError(f"{text!r} divides by zero")
         number /= Fraction(below)
-    if unit is None or unit in _SECONDS:
-        return number * _SECONDS[unit or "s"]
+    if unit is None or unit in SECONDS:
+        return number * SECONDS[unit or "s"]
     if unit not in _HERTZ:
         raise ValueError(
             f"{text!r}: {unit!r} is no unit of time; write one of "
-            f"{', '.join((*_SECONDS, *_HERTZ))}"
+            f"{', '.join((*SECONDS, *_HERTZ))}"
         )
     if number == 0:
         raise ValueError(f"{text!r}: a rate of zero has no period")

@@ -217,9 +217,23 @@ def quotient_unit(above: str, below: str) -> Unit:
     if bottom == "1":
         return top
     if top == bottom and top.base == bottom.base:
+        refuse_multiple(f"{top}/{bottom}", top)
         return unit_of("1")
     name = f"{top}/({bottom})" if set("./*·- ") & set(bottom) else f"{top}/{bottom}"
     return _combined(name, [(top, 1), (bottom, -1)])
+
+
+def refuse_multiple(name: str, unit: Unit) -> None:
+    """Refuse that a value is multiplied or divided whose zero is no zero.
+
+    Raises:
+        UnitError: the unit has an offset, and is of no difference.
+    """
+    if unit.base is not None and unit.base.offset and not unit.relative:
+        raise UnitError(
+            f"{name}: a value in {unit} is no multiple of a unit; give the variable a "
+            f"map with a unit that begins at zero (K), or take a difference of two"
+        )
 
 
 def _combined(name: str, powers: list[tuple[Unit, int]]) -> Unit:
@@ -228,8 +242,7 @@ def _combined(name: str, powers: list[tuple[Unit, int]]) -> Unit:
     for unit, power in powers:
         if unit.base is None:
             raise UndefinedUnit(f"{name}: the FMU {unit.doubt}")
-        if unit.base.offset and not unit.relative:
-            raise UnitError(f"{name}: a value in {unit} is no multiple of a unit")
+        refuse_multiple(name, unit)
         factor *= Fraction(repr(unit.base.factor)) ** power
         for base, exponent in unit.base.exponents.items():
             exponents[base] = exponents.get(base, 0) + power * exponent

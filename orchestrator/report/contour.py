@@ -147,6 +147,11 @@ def _honest(paths: Sequence[Traced]) -> str:
 
 
 def outline(path: Traced) -> tuple[Array, Array]:
-    angle = np.linspace(0, 2 * np.pi, 721 if path.shape == "circle" else 5)
+    """Return the points of a contour itself, each (n,)."""
+    round_ = path.shape in ("circle", "rose")
+    angle = np.linspace(0, 2 * np.pi, 1441 if round_ else 5)
+    if path.shape == "rose":
+        r = path.size * np.cos(2 * angle)
+        return r * np.cos(angle), r * np.sin(angle)
     corner = path.size * (np.sqrt(0.5) if path.shape == "square" else 1.0)
     return corner * np.cos(angle), corner * np.sin(angle)

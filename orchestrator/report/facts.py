@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from orchestrator.errors import ScenarioError
 from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.laid import numbers
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.fmu.whole import Listed
 from orchestrator.master.faults import describe
@@ -59,7 +60,11 @@ def _connections(run: "Run") -> Iterator[list[str]]:
         yield [wire.sink, wire.source, wire.conversion, age]
     for sink, source in run.scenario.spec.connections.items():
         if isinstance(source, int | float):
-            yield [sink, _short(source), _unit(run, sink), ""]
+            held = source
+            with suppress(ScenarioError):  # of a star, or what is no number
+                held = run.composition.parameter(sink).value
+            shown = source if held == source else held
+            yield [sink, _short(shown), _unit(run, sink), ""]
 
 
 def _set(run: "Run", name: str) -> Iterator[list[str]]:
@@ -78,13 +83,12 @@ def _set(run: "Run", name: str) -> Iterator[list[str]]:
             _origin(run, name, key),
             known.description if known else "",
         )
-    names = {mapped.name: ours for ours, mapped in component.map.items()}
+    held = {one for key in given for one in numbers(component, fmu, key)}
     left = [
         v
         for v in fmu.variables.values()
         if v.causality in ("parameter", "structuralParameter")
-        and (ours := names.get(v.name, v.name)) not in given
-        and ours.partition("[")[0] not in given
+        and not all((v.name, element) in held for element in range(v.size))
     ]
     for v in left[:MOST]:
         words = (v.start or "").split()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from orchestrator.evaluation.metrics import factors
 from orchestrator.evaluation.schema import Expectation, MetricSpec
 from orchestrator.quantities.quantity import Quantity
+from orchestrator.quantities.unit import unit_of
 
 if TYPE_CHECKING:
     from orchestrator.outcome import Run
@@ -34,7 +35,8 @@ def limits(run: "Run", metric: str, unit: str, *, of_signal: bool) -> Iterator[L
         owner, _, kind = name.rpartition(".")
         if owner != metric or kind not in LEVELS or name not in run.metrics:
             continue
-        own = expected.unit or run.metrics[name].unit
+        figure = unit_of(run.metrics[name].unit)
+        own = unit_of(expected.unit or figure).of_difference(figure.relative)
         for word, level in _bounds(expected):
             quantity = Quantity(level, own)
             said = f"{name} {word} {quantity}"

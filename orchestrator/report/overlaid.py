@@ -114,7 +114,7 @@ def _panels(name: str, results: Mapping[str, Result]) -> list[Panel]:
     first = next(iter(having.values()))
     over = Panel(name, first.unit)
     below = Panel(f"{name}: difference to {next(iter(having))}", first.unit)
-    order = list(results)
+    order, few = list(results), list[int]()
     for label, signal in having.items():
         run = order.index(label)
         values = signal.values.astype(float)
@@ -129,12 +129,24 @@ def _panels(name: str, results: Mapping[str, Result]) -> list[Panel]:
         time, here, there = np.intersect1d(
             signal.time, first.time, assume_unique=True, return_indices=True
         )
-        if len(time):
-            apart = values[here] - first.values.astype(float)[there]
-            below.curves.append(Curve(f"{label} - first", time, apart, run))
-            if len(time) < len(signal.time):
-                below.title += f", at {len(time):,} common instants"
+        if not len(time):
+            over.title += f" ({label} has no instant in common with the first)"
+            continue
+        apart = values[here] - first.values.astype(float)[there]
+        below.curves.append(Curve(f"{label} - first", time, apart, run))
+        if not len(time) == len(signal.time) == len(first.time):
+            below.title += f", at {len(time):,} common instants"
+            few.append(len(time))
     if below.curves and not any(np.any(curve.values) for curve in below.curves):
-        over.title += ": all equal"
+        whole = not few and len(below.curves) == len(having) - 1
+        over.title += ": all equal" if whole else f": equal{_where(few)}"
         return [over]
     return [over, below] if below.curves else [over]
+
+
+def _where(common: Sequence[int]) -> str:
+    """Say at how few instants signals were compared, where it was not at all."""
+    if not common:
+        return ""
+    few = min(common)
+    return f" at {few:,} common {'instant' if few == 1 else 'instants'}, no others"

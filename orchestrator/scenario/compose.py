@@ -2,8 +2,8 @@
 stars opened.  What fits together is checked when the system is wired.
 
 Values of a variable take precedence in the order FMU < design < scenario <
-``--set``.  Our own models are built (or taken from the cache) in the form the
-scenario asks for; a sampled one with the component's ``step`` as sample time.
+``--set`` (``layers.py``).  Our own models are built (or taken from the cache) in the
+form the scenario asks for; a sampled one with the component's ``step`` as sample time.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,18 +19,20 @@ from orchestrator.errors import (
     did_you_mean,
 )
 from orchestrator.fmu.description import FmuDescription, read_fmu
-from orchestrator.fmu.start_values import with_values
+from orchestrator.fmu.laid import laid, same_numbers
 from orchestrator.fmu.structure import sized
 from orchestrator.master.undriven import Undriven, undriven
 from orchestrator.quantities.quantity import Quantity
 from orchestrator.quantities.unit import Unit
 from orchestrator.result import Result
 from orchestrator.scenario.design import DesignResult, run_step
+from orchestrator.scenario.layers import layered
 from orchestrator.scenario.locate import component_of, locate
 from orchestrator.scenario.maps import MapSpec, with_gains
+from orchestrator.scenario.override import lines_of, settings_of
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import DesignSpec, FaultSpec
-from orchestrator.scenario.stars import open_connections, open_record
+from orchestrator.scenario.stars import constants_of, open_connections, open_record
 from orchestrator.scenario.swapped import (
     refuse_lost_inputs,
     refuse_unknown_names,
@@ -45,6 +47,7 @@ from orchestrator.system import (
     Iterated,
     System,
     Value,
+    split_name,
 )
 from orchestrator.warned import collecting, warn
 
@@ -105,13 +108,19 @@ class Composition:
         """Raise ``ScenarioError`` if a variable holds texts, which have no figure."""
         self._values[0].refuse_text(name)
 
+    def in_gain(self, component: str, name: str) -> bool:
+        """Tell whether a gain is made of a parameter, by whatever name of it."""
+        part, fmu = self.system.components[component], self.fmus[component]
+        own = [n for c, n in map(split_name, self.in_gains) if c == component]
+        return bool(same_numbers(part, fmu, name, own))
+
     def with_values(self, given: Mapping[str, Mapping[str, Value]]) -> "Composition":
         """Return it with other parameters and start values, by component and name;
         designs and gains stay as they are.  What does not fit is found as they are
         written."""
         components = dict(self.system.components)
         for name, values in given.items():
-            components[name] = with_values(components[name], values)
+            components[name] = laid(components[name], self.fmus[name], values)
         actual = Values(list(components), lambda n: (components[n], self.fmus[n]))
         system = replace(self.system, components=components)
         return replace(self, system=system, _values=(actual, self._values[1]))
@@ -147,7 +156,7 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     located = {n: locate(scenario, spec, n, c) for n, c in spec.components.items()}
     fmus = {
         name: sized(
-            read_fmu(found.path), component_of(name, spec.components[name], found, {})
+            read_fmu(found.path), component_of(name, spec.components[name], found)
         )
         for name, found in located.items()
     }
@@ -156,19 +165,32 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
     nominal = _nominal(scenario)
     designs = {} if earlier is None else _design(scenario, nominal, fmus, earlier)
     specs, left = dict(spec.components), []
-    for name, swap in swaps(scenario, fmus).items():
+    replaced = swaps(scenario, fmus)
+    designed = {name: nominal.designed.get(name, {}) for name in specs}
+    for name, swap in replaced.items():
         specs[name], not_taken_over = swap.take_over(specs[name])
+        where = f"design: {name}."
+        designed[name] = swap.rewritten(specs[name], where, designed[name])
         left.extend(not_taken_over)
+        numbers = (k for k, v in spec.faults.items() if any(f.in_unit for f in v))
+        swap.refuse_faults(specs[name], list(numbers))
     for one in left:
         warn(str(one))
     components = {
-        name: component_of(
-            name, specs[name], located[name], nominal.designed.get(name, {})
-        )
-        for name in specs
+        name: component_of(name, specs[name], located[name]) for name in specs
     }
     for name, component in components.items():
         refuse_unknown_names(component, fmus[name])
+        constants = constants_of(spec.connections, component, fmus[name])
+        if name in replaced:
+            where = f"connections.{name}."
+            constants = {
+                line: replaced[name].rewritten(specs[name], where, values)
+                for line, values in constants.items()
+            }
+        settings = settings_of(scenario.overrides, name)
+        layers = designed[name], constants, settings
+        components[name] = layered(component, fmus[name], *layers)
     actual = Values(list(components), lambda name: (components[name], fmus[name]))
     in_gains: set[str] = set()
     for name, spec_of_part in specs.items():
@@ -177,19 +199,16 @@ def _compose(scenario: Scenario, earlier: RunEarlier | None) -> Composition:
             component, spec_of_part.map, fmus[name], actual.quantity
         )
         in_gains |= taken
-    connections, constants = open_connections(spec, components, fmus)
-    refuse_lost_inputs(scenario, connections, constants)
-    for name, values in constants.items():
-        own = components[name]
-        rest = {k: v for k, v in own.parameters.items() if k not in values}
-        start = {**own.start, **values}
-        components[name] = replace(own, parameters=rest, start=start)
+    connections, given = open_connections(spec, components, fmus)
+    refuse_lost_inputs(scenario, connections, given)
     system = System(
         name=scenario.name,
         stop=min([spec.stop, *(f.end for f in located.values() if f.end is not None)]),
         components=components,
         connections=connections,
-        record=open_record(spec, components, fmus),
+        record=open_record(
+            spec, components, fmus, lines_of(scenario.overrides, "record")
+        ),
         faults={k: tuple(map(_fault, v)) for k, v in spec.faults.items()},
         groups={
             name: Iterated(group.components, group.tolerance)
@@ -237,8 +256,11 @@ def _nominal(scenario: Scenario) -> Values:
     @cache
     def part(name: str) -> Part:
         found = locate(scenario, spec, name, spec.components[name])
-        component = component_of(name, spec.components[name], found, {})
-        return component, read_fmu(found.path)
+        component = component_of(name, spec.components[name], found)
+        fmu = read_fmu(found.path)
+        constants = constants_of(spec.connections, component, fmu)
+        last = [one for one in settings_of(scenario.overrides, name) if one[0]]
+        return layered(component, fmu, {}, constants, last), fmu
 
     return Values(list(spec.components), part)
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from fmus.cache import building, cache_folder, entry, publish
 from fmus.closure import NoSuchModule, closure, data_files, files_digest
+from orchestrator.scenario.written import in_lists, parse_value
 from orchestrator.system import Value
 
 OURS = "controllers."
@@ -40,10 +41,11 @@ def remembered(
     place = cache_folder() / "designs" / key
     for file in entry(place).values():
         found = json.loads(file.read_text(encoding="utf-8"))
-        return {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
+        return {k: parse_value(v) for k, v in found.items()}
     values = compute()
     with building(place.parent) as folder:
-        (folder / VALUES).write_text(json.dumps(values), encoding="utf-8")
+        written = {k: in_lists(v) for k, v in values.items()}
+        (folder / VALUES).write_text(json.dumps(written), encoding="utf-8")
         publish([folder / VALUES], place)
     return values
 

@@ -1,8 +1,12 @@
-"""How a layer lies over its base: table by table; ``false`` removes an entry."""
+"""How a layer lies over its base: table by table; ``false`` removes an entry.
+
+Of a connection for which nothing, or a switch, is inherited it is the constant false.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from orchestrator.scenario.last import put_last
 from orchestrator.scenario.takeover import TABLES
 
 REMOVABLE = (
@@ -14,29 +18,54 @@ REMOVABLE = (
 def inherit(base: Mapping[str, Any], layer: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a base with those of its heir over them, each anew."""
     merged = _merge(base, layer)
-    _last_values(merged, layer)
+    _last_values(merged, base, layer)
     for table in REMOVABLE:
         entries = merged.get(table)
         if not isinstance(entries, dict):
             continue
-        gone = [key for key, value in entries.items() if value is False]
-        merged[table] = {k: v for k, v in entries.items() if v is not False}
+        gone = [
+            key
+            for key, value in entries.items()
+            if value is False
+            and not (table == "connections" and _is_switch(base, merged, key))
+        ]
+        merged[table] = {k: v for k, v in entries.items() if k not in gone}
         if table == "components":
             _detach(merged, gone, layer)
     return merged
 
 
-def _last_values(merged: dict[str, Any], layer: Mapping[str, Any]) -> None:
-    """Keep of parameters and start, which are one table, what the layer says last."""
+def _is_switch(base: Mapping[str, Any], merged: Mapping[str, Any], sink: str) -> bool:
+    """Tell whether ``false`` is the value of a sink: what it had is no source."""
+    inherited = _table(base, "connections").get(sink, False)
+    owner = sink.partition(".")[0]
+    before, now = (owner in _table(t, "components") for t in (base, merged))
+    return isinstance(inherited, bool) and not (before and not now)
+
+
+def _table(tables: Mapping[str, Any], name: str) -> dict[str, Any]:
+    found = tables.get(name)
+    return found if isinstance(found, dict) else {}
+
+
+def _last_values(
+    merged: dict[str, Any], base: Mapping[str, Any], layer: Mapping[str, Any]
+) -> None:
+    """Let what the layer says of parameters and start lie over what it inherits."""
     components = layer.get("components", {})
     for name, own in components.items() if isinstance(components, dict) else ():
-        for table, other in (TABLES, TABLES[::-1]):
-            new = own.get(table) if isinstance(own, dict) else None
-            old = isinstance(own, dict) and merged["components"][name].get(other)
-            if isinstance(new, dict) and isinstance(old, dict):
-                kept = {*own.get(other, {})} | {*old} - {*new}
-                rest = {key: value for key, value in old.items() if key in kept}
-                merged["components"][name][other] = rest
+        both = merged["components"][name]
+        if name not in _table(base, "components") or not isinstance(both, dict):
+            continue
+        found = {table: both[table] for table in TABLES if table in both}
+        if not all(isinstance(values, dict) for values in found.values()):
+            continue  # refused when the scenario is validated
+        both |= {table: dict(values) for table, values in found.items()}
+        said = [(table, key) for table in TABLES for key in own.get(table, {})]
+        keys = [key for _, key in said]
+        for table, key in said:
+            if keys.count(key) == 1:  # else refused when it is validated
+                put_last(both, table, key, found[table][key])
 
 
 def _detach(

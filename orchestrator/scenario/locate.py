@@ -1,6 +1,5 @@
 """A component's FMU: found, or built where it is a model of ours; and the component."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +14,7 @@ from orchestrator.scenario.quantities import in_own_units
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.schema import Specification
 from orchestrator.signals.recording import Recording, play
-from orchestrator.system import Component, Experiment, Isolation, Value
+from orchestrator.system import Component, Experiment, Isolation
 from orchestrator.warned import warn
 
 
@@ -88,6 +87,7 @@ def _recorded(
         own.interpolation,
         own.begin,
         own.rate,
+        own.offset,
     )
     try:
         found = play(recording, fmi=spec.fmi)
@@ -109,10 +109,8 @@ def _recorded(
     return Located(found.fmu, data, found.period, found.content, end)
 
 
-def component_of(
-    name: str, spec: ComponentSpec, found: Located, designed: Mapping[str, Value]
-) -> Component:
-    """Return a component as its specification and design say.
+def component_of(name: str, spec: ComponentSpec, found: Located) -> Component:
+    """Return a component as its specification says.
 
     Raises:
         ScenarioError: a value with a unit does not fit its variable.
@@ -138,6 +136,4 @@ def component_of(
     fmu = read_fmu(found.path)
     parameters = in_own_units(component, fmu, "parameters", spec.parameters)
     start = in_own_units(component, fmu, "start", spec.start)
-    given = {**designed, **parameters}  # one table with start, which comes last
-    parameters = {key: v for key, v in given.items() if key not in start}
     return replace(component, parameters=parameters, start=start)

@@ -9,7 +9,8 @@
     groups.name.iterate  .tolerance
     design.name.argument   design.name.from_run   design.name=false (leave it out)
     metrics.name.key   metrics.name={...} (a new one)   metrics.name=false
-    record.component.variable   connections.component.input   (false: leave it out)
+    record.component.variable   connections.component.input
+        (false: leave it out; of a connection that is a switch its value)
 
 ``component.parameters.name`` and ``component.start.name`` reach a variable
 whose name is one of the component's own keys; both are one table, in which the last
@@ -23,6 +24,7 @@ from typing import Any
 
 from orchestrator.errors import ScenarioError, did_you_mean
 from orchestrator.quantities.quantity import DecimalFloat
+from orchestrator.scenario.last import put_last
 from orchestrator.scenario.sockets import plugged
 from orchestrator.scenario.toml import read_toml_text, toml
 from orchestrator.scenario.written import parse_setting
@@ -75,6 +77,34 @@ def apply_override(raw: dict[str, Any], text: str) -> bool:
         known = ("stop", "fmi", *(f"{name}.<parameter>" for name in components))
         raise ScenarioError(f"--set {text}: no {key!r}; {did_you_mean(key, known)}")
     return False
+
+
+def settings_of(overrides: Iterable[str], component: str) -> list[tuple[bool, str]]:
+    """Return the values of a component that overrides name, in their order: whether
+    as a constant of a connection, and the variable."""
+    found: dict[tuple[bool, str], None] = {}
+    for text in overrides:
+        head, _, rest = text.partition("=")[0].strip().partition(".")
+        constant = head == "connections"
+        if constant:
+            head, _, rest = rest.partition(".")
+        table, _, name = rest.partition(".")
+        if not constant and table in ("parameters", "start") and name:
+            rest = name
+        elif not constant and rest in OF_COMPONENT:
+            continue
+        if head == component:
+            found.pop((constant, rest), None)
+            found[constant, rest] = None
+    return list(found)
+
+
+def lines_of(overrides: Iterable[str], table: str) -> list[str]:
+    """Return the entries of a table, say record, that overrides write."""
+    keys = (text.partition("=")[0].strip() for text in overrides)
+    return [
+        key.removeprefix(f"{table}.") for key in keys if key.startswith(f"{table}.")
+    ]
 
 
 def parse_override_value(written: str) -> Any:
@@ -163,8 +193,7 @@ def _set_component(component: dict[str, Any], text: str, rest: str, value: Any) 
         parse_setting(value)
     except ValueError as error:
         raise ScenarioError(f"--set {text}: {error}") from None
-    component.setdefault(table, {})[name] = value
-    component.get("start" if table == "parameters" else "parameters", {}).pop(name, 0)
+    put_last(component, table, name, value)
 
 
 def _set_design(raw: dict[str, Any], text: str, rest: str, value: Any) -> None:
@@ -232,7 +261,8 @@ def _set_entry(
     raw: dict[str, Any], text: str, table: str, name: str, value: Any
 ) -> None:
     entries = raw.setdefault(table, {})
-    if value is not False:
+    switch = table == "connections" and isinstance(entries.get(name), bool)
+    if value is not False or switch:
         entries[name] = value
         return
     _known(text, f"entry of [{table}]", name, entries)

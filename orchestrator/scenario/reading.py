@@ -44,7 +44,9 @@ class Scenario(Shown):
     """A validated scenario: its name, its file, what it says after overrides.
 
     ``swapped`` are its swaps, written ``component=fmu``; ``carried`` the values, by
-    component and table, that a swapped one is to take over.
+    component and table, that a swapped one is to take over (none of one whose FMU
+    ``--set`` replaced); ``of_swap`` the names, by component, of values that came with
+    the other FMU.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Scenario(Shown):
     overrides: tuple[str, ...] = ()
     swapped: tuple[str, ...] = ()
     carried: Mapping[str, Mapping[str, tuple[str, ...]]] = field(default_factory=dict)
+    of_swap: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     PAGE = "orchestrator.report.notebook:write_scenario"
 
     def beside(self, name: str) -> str:
@@ -94,6 +97,7 @@ def scenario_from(
         _swap(changed, component, swap)
     for tables in (plain, changed):
         _set_by_map(tables)
+    with_swap = _copy(changed)
     for text in overrides:
         on_component = apply_override(changed, text)
         if not on_component:
@@ -101,9 +105,15 @@ def scenario_from(
     nominal = _validate(plain, file)
     spec = _validate(changed, file) if changed != plain else nominal
     swapped = tuple(f"{name}={swap['fmu']}" for name, swap in (swaps or {}).items())
-    carried = {name: _carried(changed, plain, name) for name in swaps or {}}
+    carried: dict[str, dict[str, tuple[str, ...]]] = {
+        **{name: {} for name in _set_anew(spec, nominal)},
+        **{name: _carried(changed, plain, name) for name in swaps or {}},
+    }
+    of_swap = {name: _of_swap(with_swap, plain, changed, name) for name in swaps or {}}
     name = scenario_name(file)
-    return Scenario(name, file, spec, nominal, tuple(overrides), swapped, carried)
+    return Scenario(
+        name, file, spec, nominal, tuple(overrides), swapped, carried, of_swap
+    )
 
 
 def find_scenario(name: str | Path) -> Path:
@@ -279,6 +289,14 @@ def _set_by_map(raw: dict[str, Any]) -> None:
                 component.setdefault("parameters", {})[name] = entry.pop("value")
 
 
+def _set_anew(spec: Specification, nominal: Specification) -> list[str]:
+    """Return the components of which the FMU is another than the scenario's."""
+    before = nominal.components
+    return [
+        n for n, c in spec.components.items() if n in before and c.fmu != before[n].fmu
+    ]
+
+
 def _carried(
     raw: Mapping[str, Any], plain: Mapping[str, Any], component: str
 ) -> dict[str, tuple[str, ...]]:
@@ -292,6 +310,28 @@ def _carried(
         )
         for table in TABLES
     }
+
+
+def _of_swap(
+    with_swap: Mapping[str, Any],
+    plain: Mapping[str, Any],
+    changed: Mapping[str, Any],
+    component: str,
+) -> tuple[str, ...]:
+    """Return the names of the values that a swap brought and no override replaced."""
+    brought, ours, now = (
+        {
+            k: v
+            for table in TABLES
+            for k, v in one["components"][component].get(table, {}).items()
+        }
+        for one in (with_swap, plain, changed)
+    )
+    return tuple(
+        name
+        for name, value in brought.items()
+        if ours.get(name) is not value and now.get(name) is value
+    )
 
 
 def _validate(raw: Mapping[str, Any], file: Path) -> Specification:

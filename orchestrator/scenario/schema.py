@@ -131,6 +131,11 @@ class FaultSpec(Strict):
             raise ValueError("window: begins before the start at 0")
         return self
 
+    @property
+    def in_unit(self) -> bool:
+        """Whether its number has the unit of the input."""
+        return self.kind in ("bias", "override", "quantisation")
+
 
 Pair: TypeAlias = Annotated[tuple[float | str, float | str], Field(strict=False)]
 

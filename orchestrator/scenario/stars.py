@@ -1,18 +1,21 @@
 """Connections and records written with a star, opened to single variables.
 
 One ``*`` stands for any text, the same on both sides.  A line for a single
-input wins over a star; a source that is a number becomes a start value.
+variable wins over a star; a source that is a number becomes a start value.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 from orchestrator.errors import WiringError, did_you_mean
-from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.description import FmuDescription, FmuVariable
 from orchestrator.fmu.ports import ports
-from orchestrator.scenario.schema import Specification
+from orchestrator.scenario.schema import Source, Specification
 from orchestrator.system import Component, Value, split_name
 from orchestrator.warned import warn
+
+Constants: TypeAlias = dict[str, dict[str, Value]]  # where it is written -> name
 
 
 def open_connections(
@@ -55,6 +58,32 @@ def open_connections(
             _refuse_no_input(sink, components[component], fmus[component])
             constants.setdefault(component, {})[variable] = source
     return connections, constants
+
+
+def constants_of(
+    connections: Mapping[str, Source], component: Component, fmu: FmuDescription
+) -> Constants:
+    """Return a component's constants by the sinks they are written at."""
+    ends = [(*split_name(sink), source) for sink, source in connections.items()]
+    own = {name: source for owner, name, source in ends if owner == component.name}
+    found: Constants = {}
+    for name, source in own.items():
+        if isinstance(source, str | tuple):
+            continue
+        inputs = names(component, fmu, "input") if "*" in name else ()
+        opened = [
+            n
+            for n in inputs
+            if _match(name, n) is not None
+            and n not in own
+            and not _variable(component, fmu, n).is_text
+        ]
+        found[name] = dict.fromkeys(opened if "*" in name else [name], source)
+    return found
+
+
+def _variable(component: Component, fmu: FmuDescription, name: str) -> FmuVariable:
+    return fmu.variables[component.map[name].name if name in component.map else name]
 
 
 def _open(
@@ -100,11 +129,10 @@ def _numbers(
     component: Component, fmu: FmuDescription, causality: str, star: str
 ) -> list[str]:
     """Return the names a star may stand for; of texts that it leaves out it warns."""
-    theirs = {ours: mapped.name for ours, mapped in component.map.items()}
     _, pattern = split_name(star)
     found = []
     for name in names(component, fmu, causality):
-        variable = fmu.variables[theirs.get(name, name)]
+        variable = _variable(component, fmu, name)
         if not variable.is_text:
             found.append(name)
         elif _match(pattern, name) is not None:
@@ -130,13 +158,17 @@ def open_record(
     spec: Specification,
     components: Mapping[str, Component],
     fmus: Mapping[str, FmuDescription],
+    last: Sequence[str] = (),
 ) -> dict[str, tuple[Fraction, ...]]:
     """Return the row periods of each recorded variable; a star takes all outputs.
+
+    A line for a single variable wins over a star, and over both one of ``last``.
 
     Raises:
         WiringError: no output fits the star.
     """
-    record = {}
+    record: dict[str, tuple[Fraction, ...]] = {}
+    lines: dict[str, tuple[bool, bool]] = {}
     for variable, rows in spec.record.items():
         component, pattern = split_name(variable)
         part = components[component]
@@ -149,7 +181,10 @@ def open_record(
                     f"record.{variable!r}: {component} has no such output; "
                     f"{did_you_mean(pattern, outputs)}"
                 )
-        for name in wanted:
-            periods = (row or part.period for row in rows)
-            record[f"{component}.{name}"] = tuple(dict.fromkeys(periods))
+        line = variable in last, "*" not in pattern
+        for name in (f"{component}.{n}" for n in wanted):
+            if line >= lines.get(name, line):
+                periods = (row or part.period for row in rows)
+                record[name] = tuple(dict.fromkeys(periods))
+                lines[name] = line
     return record

@@ -7,9 +7,11 @@ from orchestrator.errors import WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription, read_fmu
 from orchestrator.fmu.ports import ports
 from orchestrator.scenario.locate import component_of, locate
+from orchestrator.scenario.maps import with_gains
 from orchestrator.scenario.reading import Scenario
 from orchestrator.scenario.stars import open_connections, open_record
 from orchestrator.scenario.takeover import Swap
+from orchestrator.scenario.values import Values
 from orchestrator.system import Component, Value, split_name
 
 
@@ -47,6 +49,8 @@ def swaps(scenario: Scenario, fmus: Mapping[str, FmuDescription]) -> dict[str, S
             fmus[name],
             carried,
             {*used[name], *(key for keys in carried.values() for key in keys)},
+            scenario.of_swap.get(name, ()),
+            name in {text.partition("=")[0] for text in scenario.swapped},
         )
         for name, carried in scenario.carried.items()
     }
@@ -60,9 +64,14 @@ def _original(
     found = {n: locate(scenario, before, n, c) for n, c in before.components.items()}
     fmus = {name: read_fmu(place.path) for name, place in found.items()}
     components = {
-        name: component_of(name, c, found[name], {})
+        name: component_of(name, c, found[name])
         for name, c in before.components.items()
     }
+    values = Values(list(components), lambda name: (components[name], fmus[name]))
+    for name, c in before.components.items():
+        components[name], _ = with_gains(
+            components[name], c.map, fmus[name], values.quantity
+        )
     return fmus, components, open_connections(before, components, fmus)[0]
 
 

@@ -1,10 +1,15 @@
-"""Start values of a scenario's variables, and where they come from."""
+"""Start values of a scenario's variables, and where they come from.
+
+They are found by the numbers that a name stands for, as they are written to the FMU:
+``plant.v[1]`` is the first of ``plant.v``, and what a map calls otherwise is the same.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from orchestrator.errors import ScenarioError, WiringError, did_you_mean
 from orchestrator.fmu.description import FmuDescription
+from orchestrator.fmu.laid import held_on
 from orchestrator.fmu.ports import Port, ports
 from orchestrator.fmu.start_values import declared_value
 from orchestrator.quantities.quantity import Quantity
@@ -32,11 +37,19 @@ class Values:
         Raises:
             ScenarioError: there is none.
         """
-        part, found, variable = self._find(name)
-        designed = self.designed[part.name]
-        if variable in designed and variable not in part.values:
-            return designed[variable]
-        return _value(part, found, variable)
+        part, fmu, found, variable = self._find(name)
+        over = part.values
+        under = {k: v for k, v in self.designed[part.name].items() if k not in over}
+        try:
+            held = held_on(part, fmu, found, {**under, **over})
+        except WiringError as error:
+            raise ScenarioError(str(error)) from None
+        values = tuple(
+            _start(port) if one is None else one
+            for port, one in zip(found, held, strict=True)
+        )
+        whole = isinstance(over.get(variable, under.get(variable)), tuple)
+        return values if len(values) > 1 or whole else values[0]
 
     def quantity(self, name: str) -> Quantity:
         """Return the value and unit of a scalar ``component.parameter``.
@@ -53,7 +66,7 @@ class Values:
 
     def refuse_text(self, name: str) -> None:
         """Raise ``ScenarioError`` if ``component.variable`` is a String or Binary."""
-        for port in self._find(name)[1]:
+        for port in self._find(name)[2]:
             if port.variable.is_text:
                 raise ScenarioError(
                     f"{name} is {port.variable.kind}, which is not recorded and has "
@@ -66,7 +79,7 @@ class Values:
         Raises:
             ScenarioError: there is no such variable.
         """
-        _, found, _ = self._find(name)
+        _, _, found, _ = self._find(name)
         return found[0].unit or unit_of("1")
 
     def has(self, name: str) -> bool:
@@ -77,7 +90,7 @@ class Values:
             return False
         return True
 
-    def _find(self, name: str) -> tuple[Component, list[Port], str]:
+    def _find(self, name: str) -> tuple[Component, FmuDescription, list[Port], str]:
         component, variable = split_name(name)
         if component not in self._known:
             remedy = did_you_mean(component, self._known)
@@ -86,16 +99,9 @@ class Values:
             )
         part, fmu = self._part(component)
         try:
-            return part, ports(part, fmu, variable), variable
+            return part, fmu, ports(part, fmu, variable), variable
         except WiringError as error:
             raise ScenarioError(str(error)) from None
-
-
-def _value(part: Component, found: list[Port], variable: str) -> Value:
-    if variable in part.values:
-        return part.values[variable]
-    values = tuple(_start(port) for port in found)
-    return values[0] if len(values) == 1 else values
 
 
 def _start(port: Port) -> float | str:

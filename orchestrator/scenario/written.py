@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.system import Value
+from orchestrator.system import Rows, Value
 
 
 def parse_value(value: Any) -> Value:
-    """Return the value of a parameter or state: number, switch or flat array.
+    """Return the value of a parameter or state: number, switch, flat array or rows.
 
     Whole numbers stay such, of any size.
 
@@ -26,8 +26,22 @@ def parse_value(value: Any) -> Value:
             raise ValueError(f"{value} is not an array of numbers") from None
         if not np.all(np.isfinite(array)):
             raise ValueError(f"{value} holds a number that is not finite")
-        return tuple(parse_scalar(v) for v in _flat(value))
+        return _array([parse_scalar(v) for v in _flat(value)], array.shape)
     return parse_scalar(value)
+
+
+def _array(values: list[Any], shape: tuple[int, ...]) -> Value:
+    return tuple(values) if len(shape) == 1 else Rows(values, shape)
+
+
+def in_lists(value: Value) -> Any:
+    """Return a value as it is written: an array as a list, rows as lists of lists."""
+    if not isinstance(value, Rows):
+        return list(value) if isinstance(value, tuple) else value
+    lists: list[Any] = list(value)
+    for size in value.shape[:0:-1]:
+        lists = [lists[i : i + size] for i in range(0, len(lists), size)]
+    return lists
 
 
 def parse_scalar(value: Any) -> float | bool:
@@ -74,5 +88,5 @@ def parse_setting(value: Any) -> Value:
         return value
     texts = list(_flat(value)) if isinstance(value, list) else []
     if texts and all(isinstance(text, str) for text in texts):
-        return tuple(texts)
+        return _array(texts, np.array(value, dtype=object).shape)
     return parse_value(value)

@@ -26,10 +26,12 @@ MOST = 200_000_000  # numbers of a table
 
 @dataclass(frozen=True)
 class Recording:
-    """What of a file is played: from ``begin`` (s, of the file) on, every ``step`` s.
+    """What of a file is played: every ``step`` s, tick k as it is at ``begin`` +
+    ``offset`` + k ``step`` (s, of the file).
 
-    ``rate`` is the exact period (s) of its rows; without ``step`` they are played as
-    they stand.
+    ``begin`` is the file's time at the run's t = 0, ``offset`` the run's time of the
+    first tick.  ``rate`` is the exact period (s) of its rows; without ``step`` they
+    are played as they stand.
     """
 
     file: Path
@@ -37,6 +39,12 @@ class Recording:
     interpolation: Interpolation = "hold"
     begin: Fraction = Fraction(0)
     rate: Fraction | None = None
+    offset: Fraction = Fraction(0)
+
+    @property
+    def first(self) -> Fraction:
+        """The file's time (s) at the first tick."""
+        return self.begin + self.offset
 
 
 @dataclass(frozen=True)
@@ -73,17 +81,21 @@ def play(recording: Recording, **options: Any) -> Played:
             f"{recording.file}: its rows are not evenly spaced; say how often it is "
             f'played, e.g. step = "1/1000"'
         )
-    if rows.time(0) > recording.begin:
+    if rows.time(0) > recording.first:
         raise ScenarioError(
             f"{recording.file}: its first row is at {float(rows.time(0)):g} s; say "
             f'which of its times is the run\'s 0, e.g. begin = "{rows.time(0)}"'
         )
-    last = rows.time(-1) - recording.begin
-    if last < 0:
+    if rows.time(-1) < recording.first:
         raise ScenarioError(
-            f"{recording.file}: ends at {float(rows.time(-1)):g} s, before its begin"
+            f"{recording.file}: ends at {float(rows.time(-1)):g} s, before its first "
+            f"tick at {float(recording.first):g} s of the file (begin and offset)"
         )
-    told = (content, recording.interpolation, recording.begin, recording.rate, period)
+    last = rows.time(-1) - recording.begin
+    told = (
+        *(content, recording.interpolation, recording.begin, recording.offset),
+        *(recording.rate, period),
+    )
     fmu = build_signals(
         model_name(recording.file),
         told,
@@ -116,14 +128,14 @@ def table(
     """
     from fmus.signals.build import Table
 
-    last = (rows.time(-1) - recording.begin) / period
+    last = (rows.time(-1) - recording.first) / period
     count = floor(last) + 1 + (last.denominator != 1)
     if count * len(columns.values) > MOST:
         raise ScenarioError(
             f"{recording.file}: {count} ticks of {len(columns.values)} columns are "
             f"more than {MOST} numbers; take fewer, or a longer step"
         )
-    found = ticks(rows, period, recording.begin, count)
+    found = ticks(rows, period, recording.first, count)
     values = [
         values_at(column, found, recording.interpolation)
         for column in columns.values.values()
@@ -131,8 +143,9 @@ def table(
     names = tuple(columns.values)
     text = (
         f"Signals of {recording.file.name}\n\n"
-        f"{columns.rows} rows, played every {rate_text(period)} from t = 0, which is "
-        f"{time_text(recording.begin)} s in the file; between rows "
+        f"{columns.rows} rows, played every {rate_text(period)} from t = "
+        f"{time_text(recording.offset)} on, which is "
+        f"{time_text(recording.first)} s in the file; between rows "
         f"{_BETWEEN[recording.interpolation]}; after the last row its values hold.\n"
         f"SHA-256 of the file: {content}\n"
     )

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.errors import ScenarioError
-from orchestrator.quantities.quantity import parse_time
+from orchestrator.quantities.quantity import SECONDS
 from orchestrator.signals.columns import Columns
 
 Interpolation: TypeAlias = Literal["hold", "linear"]
@@ -61,10 +61,7 @@ def rows_of(columns: Columns, rate: Fraction | None = None) -> Rows:
                 f'e.g. rate = "10 kHz"'
             )
         return Rows(np.arange(columns.rows), rate)
-    try:
-        unit = parse_time(f"1 {columns.time_unit}")
-    except ValueError as error:
-        raise ScenarioError(f"{file}: time [{columns.time_unit}]: {error}") from None
+    unit = SECONDS[columns.time_unit]
     if rate is not None:
         return _at_rate(columns, time, unit, rate)
     found = _decimal(time)

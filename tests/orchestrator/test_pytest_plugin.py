@@ -136,12 +136,18 @@ def test_a_scenario_with_a_mistake_fails_with_one_paragraph(
         ("settings.toml", "[expect]\nnothing = 1", 0),
         ("broken.toml", "[expect]\na = = 1", 1),
         ("other.toml", "a = = 1", 0),
+        ("dotted.toml", 'base = "x.toml"\nexpect."a.b" = = 1', 1),
+        ("heir.toml", 'base = "lost.toml"', 1),
+        ("of_broken.toml", 'base = "_broken.toml"', 1),
+        ("misspelled.toml", 'base = "speed_step.toml"\n[expected]\na = 1', 1),
+        ("foreign.toml", 'base = "main"\nlevel = 3', 0),
     ],
 )
 def test_only_scenarios_with_expectations_are_collected(
     example: pytest.Pytester, name: str, text: str, collected: int
 ) -> None:
     (example.path / "tests" / name).write_text(text)
+    (example.path / "tests" / "_broken.toml").write_text("a = = 1")
     result = example.runpytest_inprocess("--collect-only", "-q")
     listed = [line for line in result.outlines if line.startswith(f"tests/{name}")]
     assert len(listed) == collected

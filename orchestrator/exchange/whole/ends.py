@@ -35,14 +35,37 @@ class Ends:
         self._parts = source.wiring.parts
 
     def outside(self) -> list[Outside]:
-        """Return all variables in the order of their references."""
-        return [
+        """Return all variables in the order of their references.
+
+        A parameter, input or state that is recorded too is there once: what is set
+        goes before what is shown, and that before states.
+
+        Raises:
+            ScenarioError: two different ones would have one name.
+        """
+        given = [
             *self._of_components("parameter"),
             *(p for one in self._source.foreign.values() for p in one.parameters()),
             *(self._input(name) for name in self._inputs),
-            *self._outputs(),
-            *self._of_components("local"),
         ]
+        names = {one.name for one in given}
+        shown = [one for one in self._outputs() if not self._again(one, names)]
+        names |= {one.name for one in shown}
+        states = self._of_components("local")
+        return [*given, *shown, *(s for s in states if not self._again(s, names))]
+
+    def _again(self, one: Outside, names: set[str]) -> bool:
+        """Tell whether the variable of that name is there already."""
+        if one.name not in names:
+            return False
+        component, name = split_name(one.name)
+        part = self._parts[component]
+        if name in part.component.map:
+            raise ScenarioError(
+                f"{one.name} is the name of two variables outside, as the map of "
+                f"{component} calls one like another of its FMU; rename it in the map"
+            )
+        return True
 
     def _of_components(self, role: str) -> Iterator[Outside]:
         """Yield parameters, or states (local), of all components."""

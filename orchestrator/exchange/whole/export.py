@@ -46,6 +46,7 @@ from orchestrator.exchange.whole.foreign import (
 )
 from orchestrator.exchange.whole.model import model_table
 from orchestrator.exchange.whole.tables import Halves, Tables, base_values
+from orchestrator.fmu.ports import ports
 from orchestrator.master.fused.executor import fusible
 from orchestrator.master.fused.library import FAULTS, HEADERS
 from orchestrator.master.groups import only_python
@@ -108,12 +109,7 @@ def _endless(
 ) -> System:
     """Return the system with the outputs as its only record, and no end in sight."""
     system = composition.system
-    for name in inputs:
-        if name in system.connections:
-            raise ScenarioError(
-                f"--inputs {name}: {system.connections[name]} drives it; leave that "
-                f"out with --set connections.{name}=false"
-            )
+    _refuse_driven(composition, inputs)
     record = {}
     for name in outputs or system.record:
         component, _ = split_name(name)
@@ -136,6 +132,42 @@ def _endless(
     return replace(system, record=record, stop=stop, injections=free)
 
 
+def _refuse_driven(composition: Composition, inputs: Sequence[str]) -> None:
+    """Refuse inputs from outside that are driven inside, or given twice."""
+    sinks = composition.system.connections
+    driven = {key: sink for sink in sinks for key in _numbers(composition, sink)}
+    variables = {key[:2] for key in driven}
+    given: dict[tuple[str, str, int], str] = {}
+    for name in inputs:
+        for key in _numbers(composition, name):
+            where = f"--inputs {name}"
+            if sink := driven.get(key):
+                raise ScenarioError(
+                    f"{where}: {sinks[sink]} drives it; leave that out with --set "
+                    f"connections.{sink}=false"
+                )
+            array = composition.fmus[key[0]].variables[key[1]].shape
+            if array and key[:2] in variables:
+                raise ScenarioError(
+                    f"{where}: other elements of {key[1]} are connected, and an array "
+                    f"of FMI 3 is given as a whole; build {key[0]} as fmi = 2, or "
+                    f"connect all elements or none"
+                )
+            if key in given:
+                raise ScenarioError(f"{where}: is the same input as {given[key]}")
+            given[key] = name
+
+
+def _numbers(composition: Composition, full: str) -> list[tuple[str, str, int]]:
+    """Return the numbers that an input's name stands for; none of what is not there."""
+    owner, name = split_name(full)
+    part = composition.system.components.get(owner)
+    if part is None or not name:
+        return []
+    found = ports(part, composition.fmus[owner], name)
+    return [(owner, port.variable.name, port.element) for port in found]
+
+
 class _Whole:
     def __init__(
         self,
@@ -151,7 +183,8 @@ class _Whole:
         found, whys = fusible(wiring.parts)
         ends: dict[str, set[str]] = {}
         for name in inputs:
-            ends.setdefault(split_name(name)[0], set()).add(split_name(name)[1])
+            for owner, variable, _ in _numbers(composition, name):
+                ends.setdefault(owner, set()).add(variable)
         source = WholeSource(timetable, found, {})
         source.foreign = foreign_parts(timetable, whys, ends)
         self.foreign = source.foreign

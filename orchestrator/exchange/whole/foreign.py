@@ -67,7 +67,8 @@ class Foreign:
 
     def starts(self) -> NDArray[np.float64]:
         """Return the numbers of its places of the memory."""
-        ends = [_number(v) for v in self.inputs]
+        given = {v.name: float(values[0]) for v, values in self.part.start}
+        ends = [given.get(v.name, _number(v)) for v in self.inputs]
         return np.array([value.start for value in self.values] + ends, dtype=float)
 
     def parameters(self) -> Iterator[Outside]:
@@ -292,7 +293,7 @@ def _head(one: Foreign) -> str:
     fmu, i = one.part.fmu, one.index
     texts = (one.part.name, one.folder, fmu.model_identifier, fmu.token)
     n = [
-        len({TYPES[v.fmi_type] for v in variables})
+        len(list(groupby(variables, key=lambda v: TYPES[v.fmi_type])))
         for variables in (one.part.inputs, one.part.read)
     ]
     fields = [

@@ -1,6 +1,7 @@
 """Every member of a sweep has the figures of ``run`` with its values."""
 
 import json
+import shlex
 import subprocess
 import sys
 from contextlib import closing
@@ -17,6 +18,7 @@ from orchestrator.analysis import width as measured
 from orchestrator.analysis.breaks import until_breaks
 from orchestrator.analysis.members import Job, Workers
 from orchestrator.analysis.sweep import sweep
+from orchestrator.analysis.tolerances import tolerances_of
 from orchestrator.analysis.variations import Axis, Tolerance, grid, parse_axis, sample
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
@@ -27,6 +29,11 @@ from orchestrator.session import run, run_earlier
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "does_it_hold"
 DRIVE = EXAMPLE / "drive.toml"
 SHORT = ["stop=0.05"]
+HELD = """
+base = "ball_screw_pole_placement/mc_ppc_track_500"
+[expect]
+"tracking.peak" = { below = 4, unit = "um" }
+"""
 
 
 def nominal(_: str) -> float:
@@ -147,6 +154,85 @@ def test_foreign_fmus_stay_loaded_and_a_failing_member_is_named(
         changed = load_scenario(file, [f"source.height={height}"])
         alone = run(changed, tmp_path / repr(height))
         assert outcome.figures["y.peak"] == alone.metrics["y.peak"]
+
+
+WEIGHED = """\
+from typing import Annotated, NamedTuple
+from fmus.model import Continuous, Var
+class State(NamedTuple):
+    v: Annotated[float, Var("m/s", "speed")] = 0.0
+class Input(NamedTuple):
+    f: Annotated[float, Var("N", "force")] = 1.0
+class Output(NamedTuple):
+    v: Annotated[float, Var("m/s", "speed")]
+class Parameters(NamedTuple):
+    m: Annotated[float, Var("{unit}", "mass")] = {one}
+def derivative(x: State, u: Input, p: Parameters) -> State:
+    return State(u.f / (p.m / {one}))
+def output(x: State, u: Input, p: Parameters) -> Output:
+    return Output(x.v)
+model = Continuous("Mass", derivative, output, State(), Input(), Parameters())
+"""
+PUSHED = """
+stop = "1"
+[components.plant]
+fmu = "kg.py"
+step = "1/100"
+[record]
+"plant.v" = true
+[metrics]
+v = { kind = "final", of = "plant.v" }
+"""
+
+
+def test_a_value_is_converted_to_the_unit_of_the_fmu_that_takes_it(
+    tmp_path: Path,
+) -> None:
+    """One mass in kilogram, the same in gram."""
+    for unit, one in (("kg", 1.0), ("g", 1000.0)):
+        (tmp_path / f"{unit}.py").write_text(WEIGHED.format(unit=unit, one=one))
+    file = tmp_path / "mass.toml"
+    file.write_text(PUSHED)
+    fmus = Axis("plant.fmu", (str(tmp_path / "kg.py"), str(tmp_path / "g.py")))
+    found = sweep(file, [fmus, Axis("plant.m", ("2 kg", "4 kg"))])
+    speeds = [row["v.final"] for row in found.rows]
+    assert speeds == pytest.approx([0.5, 0.25, 0.5, 0.25])
+    plain = sweep(file, [fmus, Axis("plant.m", (2.0, 4.0))])  # kg, as in the scenario
+    assert [row["v.final"] for row in plain.rows] == speeds
+
+
+def test_the_command_for_a_member_in_full_runs_that_member(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path("held.toml")
+    file.write_text(HELD)
+    given = ["--vary", "plant.m_2=8e-4", "--set", "stop=0.05"]
+    done = CliRunner().invoke(app, ["sweep", str(file), *given])
+    (line,) = (x for x in done.stdout.splitlines() if " in full: " in x)
+    command = shlex.split(line.partition("feeddrive ")[2])
+    assert command[:4] == ["run", "held.toml", "--set", "stop=0.05"]
+    alone = CliRunner().invoke(app, [*command, "--json"])
+    assert json.loads(alone.stdout)["stop"] == 0.05
+
+
+def test_what_a_connection_drives_is_not_varied_in_vain() -> None:
+    with pytest.raises(ScenarioError, match=r"--vary plant\.u: controller\.u drives"):
+        sweep(DRIVE, [Axis("plant.u", ("0", "5"))], sets=SHORT)
+    with pytest.raises(ScenarioError, match=r"--until-breaks controller\.y_1: "):
+        until_breaks(DRIVE, "controller.y_1", ["controller.y_1=1"])
+    open_loop = [*SHORT, "connections.plant.u=false"]
+    low, high = sweep(DRIVE, [Axis("plant.u", (0.0, 5.0))], sets=open_loop).rows
+    assert low["tracking.peak"] != high["tracking.peak"]
+
+
+def test_a_percentage_of_zero_is_refused_not_varied_by_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match="of which every percentage is 0"):
+        parse_axis("a.b=+-20%:3", lambda _: 0.0)
+    file = tmp_path / "held.toml"
+    file.write_text(HELD + '[tolerances]\n"plant.b_2" = "+-20 %"\n')
+    with pytest.raises(ScenarioError, match=r"b_2 is 0, of which every percentage"):
+        tolerances_of(compose(load_scenario(file), run_earlier))
 
 
 def test_the_border_is_that_of_a_fine_grid() -> None:

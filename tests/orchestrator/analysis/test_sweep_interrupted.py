@@ -12,13 +12,19 @@ import pytest
 from broken import MISBEHAVES, MODES, pack
 from typer.testing import CliRunner
 
-from orchestrator.analysis.sweep import MEMBERS, sweep
+from orchestrator.analysis.kept import MEMBERS, SWEEP
+from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.variations import Axis, parse_axis
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
 
 DRIVE = Path(__file__).parents[3] / "docs" / "examples" / "does_it_hold" / "drive.toml"
 SHORT = ["stop=0.05"]
+HELD = """
+base = "ball_screw_pole_placement/mc_ppc_track_500"
+[expect]
+"tracking.peak" = { below = 4, unit = "um" }
+"""
 
 
 def nominal(_: str) -> float:
@@ -144,3 +150,62 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
     assert again.rows == whole.rows
     with pytest.raises(ScenarioError, match="another sweep"):
         sweep(DRIVE, [Axis("plant.k", (200.0,))], sets=SHORT, folder=tmp_path)
+
+
+TWO = ["--vary", "plant.m_2=3e-4,4e-4", "--set", "stop=0.05"]
+
+
+@pytest.mark.parametrize(
+    ("more", "old", "new", "said"),
+    [
+        (["--set", "plant.k=50"], "", "", "plant.k=50"),
+        (["--vary", "plant.b_1=0.001"], "", "", "they vary plant.m_2, this one"),
+        ([], "below = 4", "below = 1", "the scenario has changed"),
+        ([], 'unit = "um"', 'unit = "mm"', "the scenario has changed"),
+    ],
+    ids=["set", "axis", "expectation", "unit"],
+)
+def test_a_sweep_of_something_else_is_not_gone_on_with(
+    more: list[str],
+    old: str,
+    new: str,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path("drive.toml")
+    file.write_text(HELD)
+    assert CliRunner().invoke(app, ["sweep", str(file), *TWO]).exit_code == 0
+    file.write_text(HELD.replace(old, new))
+    refused = CliRunner().invoke(app, ["sweep", str(file), *TWO, *more, "--resume"])
+    assert refused.exit_code == 2, refused.output
+    assert "runs/drive/1: holds members of another sweep" in refused.stderr
+    assert said in refused.stderr
+    assert not Path("runs/drive/2").exists()
+
+
+def test_a_member_of_one_value_more_is_none_of_a_sweep_without_it(
+    tmp_path: Path,
+) -> None:
+    masses = Axis("plant.m_2", (3e-4,))
+    sweep(DRIVE, [masses, Axis("plant.k", (50.0,))], sets=SHORT, folder=tmp_path)
+    with pytest.raises(ScenarioError, match=r"plant\.k"):
+        sweep(DRIVE, [masses], sets=SHORT, folder=tmp_path)
+    (tmp_path / SWEEP).unlink()
+    with pytest.raises(ScenarioError, match="nobody knows"):
+        sweep(DRIVE, [masses], sets=SHORT, folder=tmp_path)
+
+
+def test_a_sweep_gone_on_with_shows_its_figures_with_units(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    asked = ["sweep", str(DRIVE), *TWO]
+    assert CliRunner().invoke(app, asked).exit_code == 0
+    again = CliRunner().invoke(app, [*asked, "--resume", "--json"])
+    assert again.exit_code == 0, again.output
+    told = json.loads(again.stdout)
+    assert told["executor"] == ""  # all done before
+    schema = pq.read_table(told["figures"]).schema
+    assert schema.field("tracking.peak").metadata[b"unit"] == b"um"

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.analysis import tune as tuning
 from orchestrator.analysis.begin import free_of
 from orchestrator.analysis.candidates import Constraint, parse_constraint
 from orchestrator.analysis.fit import Free
+from orchestrator.analysis.heir import words, write_heir
 from orchestrator.analysis.shots import Shots
 from orchestrator.analysis.sweep import sweep
 from orchestrator.analysis.tune import Space, tune
@@ -132,8 +134,6 @@ def test_bounds_are_kept_at_several_breaks_at_once(
 
 
 def test_a_published_scenario_is_inherited_from_by_its_name(tmp_path: Path) -> None:
-    from orchestrator.analysis.heir import write_heir
-
     published = compose(load_scenario("cascade_nppi/p_pi_0_4hz"), run_earlier)
     heir = write_heir(
         published, {"controller.k_v": 200.0}, "slower", tmp_path / "h.toml"
@@ -206,6 +206,112 @@ def test_unknown_figures_are_refused(scenario: Path) -> None:
                 [bound] if bound else [],
                 recompose=lambda values: composition,
             )
+
+
+SNAP = """
+base = "ball_screw_pole_placement/p_pi_a_rope_snap"
+stop = "1/10"
+[metrics]
+u = { kind = "rms", of = "controller.u" }
+[record]
+"controller.u" = "control"
+"""
+
+
+@pytest.fixture
+def snap(tmp_path: Path) -> Path:
+    file = tmp_path / "snap.toml"
+    file.write_text(SNAP)
+    return file
+
+
+def tuned(file: Path, objective: str, *constraints: Constraint, **more: Any) -> Any:
+    composition = composed(file)
+    return tune(
+        composition,
+        free_of(composition, ["controller.K_px"], {"controller.K_px": (1.0, 200.0)}),
+        objective,
+        constraints,
+        generations=0,
+        recompose=lambda values: composed(file, values),
+        **more,
+    )
+
+
+def test_a_figure_without_a_value_keeps_no_bound(snap: Path) -> None:
+    assert Constraint("x.settling", -1, 0.05).missed(float("nan")) > 0
+    assert Constraint("x.settling", 1, 0.05).missed(float("nan")) > 0
+    snap.write_text(SNAP.replace("1/10", "1/100"))  # it does not settle so soon
+    with pytest.raises(TuneError, match=r"snap\.settling has no value"):
+        tuned(snap, "u.rms", Constraint("snap.settling", -1, 0.05))
+
+
+def test_a_misspelled_figure_of_a_metric_is_refused_not_left_out(snap: Path) -> None:
+    with pytest.raises(TuneError, match=r"--subject-to snap\.peek: .*snap\.peak"):
+        tuned(snap, "u.rms", Constraint("snap.peek", -1, 1.0))
+    with pytest.raises(TuneError, match=r"--minimise u\.rmss: .*u\.rms"):
+        tuned(snap, "u.rmss")
+
+
+def test_what_misses_its_bound_at_the_last_measurement_is_refused(
+    scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The quick looks keep it, the full measurement never does."""
+    composition = composed(scenario)
+    response = composition.scenario.spec.responses["loop"]
+    worse = loop(composed(scenario, {"controller.k_v": 400.0}), response)
+    bound = figures("loop", worse)["loop.modulus_margin"].value + 0.02
+    monkeypatch.setattr(tuning, "_measured", lambda *_: [{"loop": worse}])
+    monkeypatch.setattr(tuning, "ROUNDS", 1)
+    bounds = {"controller.k_v": (150.0, 250.0)}
+    with pytest.raises(TuneError, match="when measured in full"):
+        tune(
+            composition,
+            free_of(composition, ["controller.k_v"], bounds),
+            "tracking.peak",
+            [Constraint("loop.modulus_margin", 1, bound)],
+            generations=0,
+            recompose=lambda values: composed(scenario, values),
+        )
+
+
+DESIGNED = """
+base = "ball_screw_pole_placement/mc_ppc_track_500"
+stop = "1/20"
+"""
+
+
+def test_the_scenario_written_has_the_objective_printed_where_a_design_reads_a_value(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a file the value found would be what the design is told."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "d.toml"
+    file.write_text(DESIGNED)
+    asked = ["--free", "plant.m_2", "--bounds", "plant.m_2=3e-4:6e-4"]
+    asked += ["--minimise", "tracking.peak", "--generations", "0"]
+    done = CliRunner().invoke(app, ["tune", str(file), *asked, "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    alone = run(load_scenario(told["scenario"]), tmp_path / "run", report=False)
+    assert alone.metrics["tracking.peak"].value == told["objective"]
+    nominal = composed(file).parameter("plant.m_2").value
+    assert told["best"]["plant.m_2"] != nominal
+    assert alone.composition.designs["gains"].arguments["m_2"] == nominal
+
+
+def test_a_design_that_is_not_kept_is_told_what_was_found(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(DESIGNED)
+    composition, values = composed(tmp_path / "d.toml"), {"plant.m_2": 4e-4}
+    anew = write_heir(composition, values, "fitted", tmp_path / "h.toml", kept=())
+    assert composed(anew).designs["gains"].arguments["m_2"] == 4e-4
+    assert "m_2 as found" in words(composition, values, kept=())[0]
+    assert "m_2 as before" in words(composition, values)[0]
+
+
+def test_what_is_free_is_not_varied_too(snap: Path) -> None:
+    with pytest.raises(TuneError, match=r"--over controller\.K_px: is free too"):
+        tuned(snap, "u.rms", over=[Axis("controller.K_px", (100.0, 200.0))])
 
 
 def test_brackets_are_searched_in_ratios_where_they_are_positive() -> None:

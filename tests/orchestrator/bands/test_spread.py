@@ -86,3 +86,12 @@ def test_the_three_that_were_asked_for_have_bands() -> None:
         "circle.nctf.5mm_1hz.x@guide",
         "circle_200.contour_max",
     } <= found
+
+
+def test_a_row_that_is_compared_with_another_has_no_band(study: Path) -> None:
+    """Whatever came out, it was inside."""
+    file = study / "reference.toml"
+    text = file.read_text().replace("{ below = 1.1 }", '{ less_than = "high" }')
+    file.write_text(text)
+    with pytest.raises(ScenarioError, match="bound is compared with high"):
+        bands(study)

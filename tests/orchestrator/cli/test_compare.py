@@ -42,14 +42,8 @@ def test_locks_alone_are_compared_too(two: None, feeddrive) -> None:
     assert "the locks are equal" in same.stdout
 
 
-def test_a_difference_is_taken_at_common_instants_and_in_one_unit(
-    tmp_path: Path,
-) -> None:
-    slow, fast = np.arange(5) / 1000, np.arange(9) / 2000
-    runs = {
-        "slow": Recorded({1: {"x": Signal("x", slow, 1e3 * slow, "mm")}}),
-        "fast": Recorded({1: {"x": Signal("x", fast, fast + 0.5, "m")}}),
-    }
+def overlaid(runs: dict, folder: Path) -> dict:
+    """Return the panels of runs over each other by their titles."""
     seen = {}
 
     def keep(panels, overlaid):
@@ -59,10 +53,54 @@ def test_a_difference_is_taken_at_common_instants_and_in_one_unit(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("orchestrator.report.overlaid.drawn", keep)
         with pytest.raises(InterruptedError):
-            write_overlaid("x", runs, [], tmp_path / "x.html")
+            write_overlaid("x", runs, [], folder / "x.html")
+    return seen
+
+
+def test_a_difference_is_taken_at_common_instants_and_in_one_unit(
+    tmp_path: Path,
+) -> None:
+    slow, fast = np.arange(5) / 1000, np.arange(9) / 2000
+    runs = {
+        "slow": Recorded({1: {"x": Signal("x", slow, 1e3 * slow, "mm")}}),
+        "fast": Recorded({1: {"x": Signal("x", fast, fast + 0.5, "m")}}),
+    }
+    seen = overlaid(runs, tmp_path)
     (curve,) = seen["x: difference to slow, at 5 common instants"].curves
     assert curve.time.tolist() == slow.tolist()
     np.testing.assert_allclose(curve.values, 500)
+
+
+WHOLE = np.arange(9) / 2000
+ALIKE = {  # times and unit of a second run, and what is said; a third is the first
+    "all rows": (WHOLE, "m", "x: all equal"),
+    "half as long": (WHOLE[:5], "m", "x: equal at 5 common instants, no others"),
+    "the start alone": (
+        np.arange(9) / 2300,
+        "m",
+        "x: equal at 1 common instant, no others",
+    ),
+    "no instant": (
+        WHOLE + 1e-5,
+        "m",
+        "x (b has no instant in common with the first): equal",
+    ),
+    "another unit": (WHOLE, "V", None),
+}
+
+
+@pytest.mark.parametrize("case", ALIKE)
+def test_all_are_equal_only_where_all_rows_of_all_were_compared(
+    tmp_path: Path, case: str
+) -> None:
+    time, unit, title = ALIKE[case]
+    runs = {
+        "a": Recorded({1: {"x": Signal("x", WHOLE, np.ones(9), "m")}}),
+        "b": Recorded({1: {"x": Signal("x", time, np.ones(len(time)), unit)}}),
+        "c": Recorded({1: {"x": Signal("x", WHOLE, np.ones(9), "m")}}),
+    }
+    (found,) = overlaid(runs, tmp_path)
+    assert found == title if title else "all equal" not in found
 
 
 def test_runs_that_cannot_be_compared_are_refused(two: None, feeddrive) -> None:

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy.fmi2 import FMU2Slave
+from systems import SMALL
 from typer.testing import CliRunner
 
 from orchestrator.cli import app
@@ -82,6 +84,33 @@ def test_a_component_of_a_lock_file_and_plain_c_carry_the_gains(tmp_path):
     for name in (SCENARIO, str(lock)):
         folder = Path(build(f"{name}:controller", "--form", "c", "-o", str(tmp_path)))
         assert gain in (folder / "MCPPC.c").read_text()
+
+
+MAPPED = f"""
+stop = "1/100"
+[components.pi]
+fmu = "{SMALL / "pi.py"}"
+step = "1 kHz"
+parameters = {{ K_p = 300, I = 10 }}
+start = {{ y = 0.5, r = 0.01 }}
+[components.pi.map]
+y = {{ name = "y", gain = 0.02, unit = "V" }}
+K_p = {{ name = "K_p", gain = 0.001, unit = "V" }}
+I = {{ name = "K_i", gain = 0.5, unit = "V" }}
+[record]
+"pi.u" = "1 kHz"
+"""
+
+
+def test_a_component_with_a_map_is_built_with_its_models_own_numbers(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "mapped.toml").write_text(MAPPED)
+    monkeypatch.chdir(tmp_path)
+    file = build("mapped.toml:pi", "--trust", "-o", str(tmp_path / "out"))
+    start = {v.name: v.start for v in fmpy.read_model_description(file).modelVariables}
+    given = [float(start[name]) for name in ("K_p", "K_i", "y", "r")]
+    assert given == pytest.approx([0.3, 5.0, 0.01, 0.01], rel=1e-15)
 
 
 def test_what_is_no_component_or_no_model_of_ours_is_refused():

@@ -209,6 +209,26 @@ def test_a_metric_that_cannot_be_taken_is_named(metric, remedy):
     assert remedy in str(refusal.value)
 
 
+WARM = {"plant.x": signal(30.0, "degC"), "plant.y": signal(20.0, "degC")}
+
+
+@pytest.mark.parametrize(
+    "factors",
+    [{"per": "20 degC"}, {"scale": 2, "unit": "K"}, {"scale": 2}, {"per": "2"}],
+)
+def test_a_multiple_of_a_temperature_in_degrees_is_refused(factors):
+    with pytest.raises(ScenarioError, match="begins at zero"):
+        figures({"kind": "final", "of": "plant.x", **factors}, WARM)
+
+
+def test_a_multiple_of_a_difference_or_of_kelvins_is_taken():
+    error = {"kind": "error", "of": "plant.x", "against": "plant.y", "scale": 2}
+    assert figures({**error, "unit": "K"}, WARM)["m.mean"].value == -20
+    kelvin = {"plant.x": signal(300.0, "K")}
+    found = figures({"kind": "final", "of": "plant.x", "per": "150 K"}, kelvin)
+    assert found["m.final"] == Quantity(2.0)
+
+
 def test_expectations_convert_units_and_refuse_not_a_number():
     found = {"m.peak": Quantity(2.49, "um"), "m.rms": Quantity(float("nan"), "um")}
 

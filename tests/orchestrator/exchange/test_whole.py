@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from typer.testing import CliRunner
-from wholes import CIRCLE, THREE_RATES, Slave, composed, exported
+from wholes import CIRCLE, SMALL, THREE_RATES, Slave, composed, exported
 
 from orchestrator.cli import app
 from orchestrator.errors import ScenarioError
@@ -124,6 +124,63 @@ def test_what_cannot_be_compiled_in_is_refused(tmp_path: Path) -> None:
     file.write_text(often)
     with pytest.raises(ScenarioError, match=r"rates .* repeats after more than"):
         export_whole(composed(file), tmp_path / "x.fmu")
+
+
+MATRICES = f"""
+stop = "0.01"
+fmi = FMI
+[components.n]
+fmu = "{SMALL / "matrices.py"}"
+step = "1 kHz"
+[components.m]
+fmu = "{SMALL / "matrices.py"}"
+step = "1 kHz"
+map = {{ w = {{ name = "u[1]", gain = 2, unit = "V" }} }}
+[connections]
+SINK = SOURCE
+[record]
+"m.y" = true
+"""
+NOT_FREE = {
+    "an element of an array that is driven": ("m.u", "n.y", ["m.u[2]"], "n.y drives"),
+    "our name of an element": ("m.w", "n.passed", ["m.u[1]"], "n.passed drives it"),
+    "the element of our name": ("m.u[1]", "n.passed", ["m.w"], "n.passed drives it"),
+    "one input twice": ("n.u[1]", "m.passed", ["m.w", "m.u[1]"], "the same input as"),
+}
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+@pytest.mark.parametrize("case", NOT_FREE)
+def test_an_input_that_is_driven_by_whatever_name_is_not_offered_outside(
+    case: str, fmi: str, tmp_path: Path
+) -> None:
+    sink, source, inputs, why = NOT_FREE[case]
+    text = MATRICES.replace("FMI", fmi).replace("SINK", f'"{sink}"')
+    with pytest.raises(ScenarioError, match=why):
+        exported(text.replace("SOURCE", f'"{source}"'), tmp_path, inputs=inputs)
+
+
+def test_an_array_of_fmi_3_is_not_driven_in_part_from_outside(tmp_path: Path) -> None:
+    """By FMI 2, whose elements are variables, it can be."""
+    text = MATRICES.replace("SINK", '"m.u[1]"').replace("SOURCE", '"n.passed"')
+    with pytest.raises(ScenarioError, match="build m as fmi = 2"):
+        exported(text.replace("FMI", "3"), tmp_path, inputs=["m.u[2]"])
+    whole = exported(text.replace("FMI", "2"), tmp_path, inputs=["m.u[2]"])
+    whole.begin()
+    before = whole.row()
+    whole.set("m.u[2]", 10.0)
+    whole.rows(Fraction(1, 1000), 3)
+    assert whole.row()[1] > before[1] + 1
+
+
+def test_what_is_recorded_and_set_too_is_one_variable(tmp_path: Path) -> None:
+    """A parameter, an input, a state: FMI wants names to be unique."""
+    extra = '"pi.K_p" = true\n"pi.r" = true\n"pi.state.q" = true\n'
+    whole = exported(THREE_RATES + extra, tmp_path, inputs=["pi.r"])
+    found = {v.name: v.causality for v in whole.description.modelVariables}
+    assert len(found) == len(whole.description.modelVariables)
+    kinds = [found[f"pi.{name}"] for name in ("K_p", "r", "state.q")]
+    assert kinds == ["parameter", "input", "output"]
 
 
 def test_the_command_line_exports_one_fmu(tmp_path: Path) -> None:

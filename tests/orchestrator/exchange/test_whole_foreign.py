@@ -3,10 +3,13 @@
 import zipfile
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from coupled import coupled
+from foreign import foreign
+from rewritten import rewritten
 from third_party import fmus_in
 from walking import RUNNERS, Walk, place_of, walks
 from wholes import SMALL, THREE_RATES, Slave, composed, exported
@@ -138,6 +141,52 @@ def test_an_outside_input_reaches_one_of_them(tmp_path: Path) -> None:
             found.append(whole.row())
         rows.append(found)
     assert rows[0] == rows[1]
+
+
+def test_an_outside_input_begins_with_what_the_scenario_says(tmp_path: Path) -> None:
+    text = THREE_RATES.replace('"late.u" = "tone.x_r"\n', "")
+    rows = []
+    for fmu in (LATE, f'fmu = "{theirs(tmp_path, "late")}"'):
+        with_start = text.replace(LATE, f"{fmu}\nstart = {{ u = 3.0 }}")
+        folder = tmp_path / str(len(rows))
+        folder.mkdir()
+        whole = exported(with_start, folder, inputs=["late.u"])
+        variables = whole.description.modelVariables
+        assert [v.start for v in variables if v.causality == "input"] == ["3.0"]
+        whole.begin()
+        rows.append(whole.rows(STEP, 100))
+    assert rows[0] == rows[1]
+    done = run(tmp_path / "1" / "scenario.toml", tmp_path / "run", report=False)
+    k = whole.outputs.index("late.y")
+    assert [row[k] for row in rows[1]] == list(done["late.y"].values[:101])
+
+
+def test_every_type_of_theirs_is_read_whatever_is_recorded_beside(
+    tmp_path: Path,
+) -> None:
+    """A local of the type of the outputs comes behind outputs of other types."""
+
+    def edit(root: Any) -> None:
+        steps = root.find("ModelVariables/*[@name='steps']")
+        steps.set("causality", "local")
+        last = str(list(root.find("ModelVariables")).index(steps) + 1)
+        for unknown in root.findall(f"ModelStructure/*/Unknown[@index='{last}']"):
+            unknown.getparent().remove(unknown)
+
+    fmu = rewritten(foreign(2, tmp_path), tmp_path, edit)
+    names = ("out_Real", "out_Integer", "steps")
+    rows = "\n".join(f'"one.{name}" = true' for name in names)
+    text = (
+        f'stop = "0.01"\n[components.one]\nfmu = "{fmu}"\nstep = "1 kHz"\n'
+        f"start = {{ in_Real = 5.0, in_Integer = 3 }}\n[record]\n{rows}\n"
+    )
+    whole = exported(text, tmp_path)
+    whole.begin()
+    found = np.array(whole.rows(Fraction(1, 1000), 5)).T
+    done = run(tmp_path / "scenario.toml", tmp_path / "run", report=False)
+    for name, values in zip(whole.outputs, found, strict=True):
+        np.testing.assert_array_equal(values, done[name].values[:6])
+    assert list(done["one.steps"].values[:3]) == [0, 1, 2]
 
 
 def test_what_cannot_go_along_is_refused(tmp_path: Path) -> None:

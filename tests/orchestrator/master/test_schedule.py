@@ -44,6 +44,16 @@ def test_stored_and_lazy_instants_are_those_of_the_definition(
     assert list(schedule.instants()) == expected
 
 
+@given(clocks, times, st.integers(0, 100))
+def test_instants_before_one_are_as_many_as_are_counted(
+    clocks: dict[str, Clock], stop: Fraction, k: int
+) -> None:
+    schedule = Schedule.of(clocks, stop)
+    stretches = list(schedule.stretches())
+    before = sum(stretch.before(k) for stretch in stretches)
+    assert before == sum(at < k for stretch in stretches for at, _ in stretch)
+
+
 @given(st.lists(small, min_size=1, max_size=6))
 def test_the_common_tick_divides_every_period_and_is_the_largest(
     periods: list[Fraction],

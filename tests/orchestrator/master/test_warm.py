@@ -21,7 +21,7 @@ from orchestrator.master.checkpoint import Checkpoints, Keeper
 from orchestrator.master.simulate import simulate
 from orchestrator.master.warm import Origin, origin
 from orchestrator.result import Result, Signal
-from orchestrator.system import Component, Fault, Isolation, System
+from orchestrator.system import Component, Fault, Isolation, Mapped, System
 
 MS = Fraction(1, 1000)
 KEPT = Checkpoints(MS, kept=True)
@@ -163,6 +163,39 @@ def test_what_is_not_as_it_was_is_refused_by_name(
     ):
         with pytest.raises(FeedDriveError, match=words):
             simulate(given, tmp_path, origin=begun(10), **options)  # type: ignore[arg-type]
+
+
+DELAY = Fault("delay", samples=3)
+CHAINS = {  # what is there and what is to go on: with the bits of the rest, or not
+    "equal delays": ((DELAY, DELAY), (DELAY, DELAY), True),
+    "a bias before what is late": (
+        (Fault("bias", 0.3), Fault("delay", samples=2, start=13 * MS)),
+        (Fault("delay", samples=2, start=13 * MS), Fault("bias", 0.3)),
+        False,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CHAINS)
+def test_a_fault_goes_on_with_what_it_remembered_in_its_place_of_the_chain(
+    case: str, tmp_path: Path
+) -> None:
+    before, after, same = CHAINS[case]
+    sine = part("sine", "controllers.references.sine", "1/1000", sampled=True)
+    y = {"y": Mapped("y", 100.0, unit="m")}
+    pi = Component("pi", build(str(SMALL / "pi.py"), period=MS), MS, map=y)
+    rows = {"pi.u": "1/1000", "pi.y": "1/1000"}
+    given = system("1/20", [sine, pi], {"pi.y": "sine.x_r"}, rows)
+    given = replace(given, faults={"pi.y": before})
+    whole = simulate(given, tmp_path / "a", checkpoints=KEPT)
+    there = origin("the run", tmp_path / "a", 12 * MS)
+    given = replace(given, faults={"pi.y": after})
+    if same:
+        rest = simulate(given, tmp_path / "b", origin=there)
+        assert_rest_of(rest, whole, 12 * MS)
+    else:
+        with pytest.raises(FeedDriveError, match="a new fault"):
+            simulate(given, tmp_path / "b", origin=there)
 
 
 def build_slower(component: Component) -> Component:

@@ -12,6 +12,7 @@ from orchestrator.result import Result
 from orchestrator.scenario.compose import Composition, compose
 from orchestrator.scenario.override import parse_swaps
 from orchestrator.scenario.reading import load_scenario
+from orchestrator.session import execute, run_earlier
 from orchestrator.supplied import build_supplied
 
 DRIVE = """\
@@ -176,3 +177,122 @@ def test_a_pulse_tells_a_sign_that_the_map_lacks(
     assert (said in page) is warned
     metrics = json.loads((tmp_path / "run/metrics.json").read_text())
     assert any(said in warning for warning in metrics["warnings"]) is warned
+
+
+SPRING = '''"""A sampled spring. Source: none, a test (2026)."""
+from typing import Annotated, NamedTuple
+import numpy as np
+from numpy.typing import NDArray
+from fmus.model import Sampled, Var
+class State(NamedTuple):
+    n: Annotated[float, Var("1", "count")] = 0.0
+class Input(NamedTuple):
+    u: Annotated[float, Var("{length}", "way")] = 0.0
+class Output(NamedTuple):
+    y: Annotated[float, Var("N", "force")]
+    w: Annotated[NDArray[np.float64], Var("{length}", "ways")]
+class Parameters(NamedTuple):
+    {k}: Annotated[float, Var("N/{length}", "stiffness")] = 1.0
+    v: Annotated[NDArray[np.float64], Var("{length}", "ways")] = np.array([1.0, 2.0])
+def step(x, u, p, T_s):
+    """y = k (u + v_1)."""
+    return State(x.n + 1), Output(p.{k} * (u.u + p.v[0]), u.u + p.v)
+model = Sampled("Spring", step, State(), Input(), Parameters())
+'''
+SPRUNG = """\
+stop = "1/100"
+fmi = {fmi}
+[components.g]
+fmu = "old.py"
+step = "1/1000"
+parameters = {{ k = 2000, v = [0.003, 0.0] }}
+[connections]
+"g.u" = 0.001
+[record]
+"g.y" = true
+"g.w" = true
+"""
+
+
+def springs(folder: Path, fmi: int, more: str = "") -> Path:
+    """Write k (u + v_1) of metres, and springs whose FMUs are in millimetres."""
+    forms = (("old", "m", "k"), ("new", "mm", "stiff"), ("same", "mm", "k"))
+    for name, length, k in forms:
+        text = SPRING.replace("{length}", length).replace("{k}", k)
+        (folder / f"{name}.py").write_text(text)
+    (folder / "s.toml").write_text(SPRUNG.format(fmi=fmi) + more)
+    return folder / "s.toml"
+
+
+def sprung(folder: Path, fmi: int, maps: str, *sets: str) -> Result:
+    """Run the spring of metres by that of millimetres."""
+    file = springs(folder, fmi)
+    tables = parse_swaps([f"g={folder / 'new.py'}"], [maps])
+    scenario = load_scenario(file, sets, tables)
+    return execute(compose(scenario, run_earlier), folder / "run", report=False)
+
+
+STIFF = 'k = {name = "stiff", unit = "N/mm"}'
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    ("maps", "sets", "force"),
+    [
+        ('k = "stiff"', (), 8.0),
+        (STIFF, (), 8.0),
+        ('k = "stiff", u = {name = "u", unit = "mm"}', (), 8.0),
+        ('k = "stiff", v = {name = "v", unit = "mm"}', (), 8.0),
+        ('k = {name = "stiff", unit = "N/mm", value = 3}', (), 12.0),
+        ('k = {name = "stiff", value = 3000}', (), 12.0),
+        (STIFF, ("g.k=1000",), 4.0),
+        (STIFF, ("g.k=3 N/mm",), 12.0),
+        (STIFF, ("g.v=[0.001, 0]",), 4.0),
+    ],
+)
+def test_a_number_of_the_scenario_means_the_unit_it_was_written_in(
+    tmp_path: Path, fmi: int, maps: str, sets: tuple[str, ...], force: float
+):
+    found = sprung(tmp_path, fmi, maps, *sets)
+    assert found["g.y"].values[-1] == pytest.approx(force)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_array_keeps_our_unit(tmp_path: Path, fmi: int):
+    found = sprung(tmp_path, fmi, 'k = "stiff"')
+    assert [found[f"g.w[{i}]"].unit for i in (1, 2)] == ["m", "m"]
+    assert found["g.w[1]"].values[-1] == pytest.approx(0.004)
+
+
+def test_a_number_that_cannot_be_had_in_the_unit_of_the_map_is_refused(tmp_path: Path):
+    said = r"components\.g\.parameters\.k = 2000: N/m cannot become kg"
+    with pytest.raises(ScenarioError, match=said):
+        sprung(tmp_path, 2, 'k = {name = "stiff", gain = 1, unit = "kg"}')
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(("more", "force"), [((), 8.0), (("g.k=1000",), 4.0)])
+def test_an_fmu_that_is_set_takes_numbers_in_the_unit_they_were_written_in(
+    tmp_path: Path, fmi: int, more: tuple[str, ...], force: float
+):
+    file = springs(tmp_path, fmi)
+    scenario = load_scenario(file, (f"g.fmu={tmp_path / 'same.py'}", *more))
+    found = execute(compose(scenario, run_earlier), tmp_path / "run", report=False)
+    assert found["g.y"].values[-1] == pytest.approx(force)
+    assert found["g.w[1]"].unit == "m"
+
+
+def test_a_fault_in_a_unit_that_the_map_replaces_is_refused(tmp_path: Path):
+    fault = '[faults]\n"g.u" = { kind = "bias", value = 0.001 }\n'
+    file = springs(tmp_path, 2, fault)
+    driver = '[components.h]\nfmu = "old.py"\nstep = "1/1000"\n[connections]'
+    text = file.read_text().replace("[connections]", driver)
+    file.write_text(text.replace('"g.u" = 0.001', '"g.u" = "h.w[1]"'))
+
+    def swapped(maps: str) -> None:
+        tables = parse_swaps([f"g={tmp_path / 'new.py'}"], [maps])
+        compose(load_scenario(file, (), tables), run_earlier)
+
+    swapped('k = "stiff"')
+    with pytest.raises(ScenarioError, match=r'faults\."g\.u": its value is in m'):
+        swapped('k = "stiff", u = { name = "u", unit = "mm" }')

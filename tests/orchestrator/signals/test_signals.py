@@ -140,12 +140,17 @@ def test_an_fmu_without_its_resources_says_so(tmp_path: Path, slave) -> None:  #
         slave(bare)
 
 
+EVERY_S = {"rate": "1"}
 SAID = {
     "at_end": ("t [s],F [V]\n0,1\n1,2\n", {}, 'say at_end = "hold"'),
     "begin": ("t [s],F [V]\n1,1\n9,2\n", {}, 'begin = "1"'),
     "uneven": ("t [s],F [V]\n0,1\n1,2\n3,3\n", {}, "not evenly spaced"),
     "back": ("t [s],F [V]\n0,1\n2,2\n1,3\n", {}, "does not increase from row 2 to 3"),
-    "no number": ("t [s],F [V]\n0,1\n1,\n2,3\n", {}, "F is nan in row 2"),
+    "no number": (
+        "t [s],F [V]\n0,1\n1,\n2,3\n",
+        {},
+        "F is nan in row 2, which is no finite number",
+    ),
     "text": ("t [s],F [V]\n0,1\n1,on\n", {}, "cannot be read"),
     "no time": ("F [V]\n0\n1\n", {}, 'rate = "10 kHz"'),
     "digits": (
@@ -154,6 +159,11 @@ SAID = {
         "more than 15 digits",
     ),
     "beside": ("t [s],F [V]\n0,1\n1.2,2\n", {"rate": "1"}, "row 2 is at 1.2 s"),
+    "empty line": ("F [V]\n0\n1\n\n3\n\n", EVERY_S, "line 4 is empty, a missing cell"),
+    "empty lines": ("F,G\r\n0,1\r\n\r\n\r\n3,4\r\n", EVERY_S, "line 3 is empty"),
+    "kilohertz": ("t [kHz],F [V]\n0,1\n9,2\n", {}, "'kHz' is no unit of time"),
+    "two times": ("t,T,F [V]\n0,1,1\n9,2,2\n", {}, "t and T may each be the time"),
+    "two units": ("t [s],time [ms],F\n0,1,1\n9,2,2\n", {}, "t and time may each"),
     "unit": ("t [s],F [Vx]\n0,1\n1,2\n", {}, "F [Vx]"),
     "twice": ("t [s],F [V],F [V]\n0,1,1\n1,2,2\n", {}, "heads two columns"),
     "name": ("t [s],motor force [V]\n0,1\n9,2\n", {}, "cannot name a signal"),
@@ -189,3 +199,87 @@ def test_the_end_of_a_file_is_held_or_ends_the_run_and_is_said(
     assert done["force.F"].values.tolist() == [1.0] + [2.0] * stop
     lock = (tmp_path / "run" / "scenario.lock.toml").read_text()
     assert composition.contents["force"] in lock
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"offset": "2 ms"}, [20, 20, 20, 30, 40, 50, 60, 70, 80, 90, 100]),
+        ({"offset": "1/2000"}, [5, 5, 15, 25, 35, 45, 55, 65, 75, 85, 95]),
+        (
+            {"offset": "2 ms", "begin": "3 ms", "at_end": "hold"},
+            [50, 50, 50, 60, 70, 80, 90, 100, 100, 100, 100],
+        ),
+    ],
+)
+def test_an_offset_shifts_the_ticks_and_not_the_data(
+    options: dict[str, str], expected: list[float], tmp_path: Path
+) -> None:
+    times = [f"{k / 1000:.3f}" for k in range(11)]
+    file = csv(tmp_path / "force.csv", times, [10.0 * k for k in range(11)])
+    force = {"data": file.name, "interpolation": "linear", **options}
+    tables = {
+        "stop": "0.01",
+        "components": {"force": force},
+        "record": {"force.F": "1/1000"},
+    }
+    composition = compose(scenario_from(tables, tmp_path / "s.toml"), run_earlier)
+    assert ["ends at t = 0.007 s" in w for w in composition.warnings] == (
+        [True] if "begin" in options else []
+    )
+    done = execute(composition, tmp_path / "run", report=False)
+    assert done["force.F"].values == pytest.approx(expected)
+
+
+def test_a_file_that_ends_before_the_first_tick_is_refused(tmp_path: Path) -> None:
+    file = csv(tmp_path / "force.csv", ["0", "0.001"], [1.0, 2.0])
+    with pytest.raises(ScenarioError, match=r"before its first tick at 0\.002 s"):
+        play(Recording(file, offset=Fraction(2, 1000)))
+
+
+def test_empty_lines_behind_the_last_row_are_no_rows(tmp_path: Path) -> None:
+    (tmp_path / "force.csv").write_text("\nF [V]\n0\n1\n3\n\n\n")
+    assert read_columns(tmp_path / "force.csv").values["F"].tolist() == [0, 1, 3]
+
+
+@pytest.mark.parametrize(
+    ("head", "signals", "time"),
+    [
+        ("T,t [s],F", ["F", "T"], [0, 1]),
+        ("T [degC],time,F", ["F", "T"], [0, 1]),
+        ("t [ms],Time [s],F", ["F", "Time"], [20, 30]),
+        ("T,G,F", ["F", "G"], [20, 30]),
+    ],
+)
+def test_the_time_is_what_is_called_so_and_has_its_unit(
+    tmp_path: Path, head: str, signals: list[str], time: list[float]
+) -> None:
+    (tmp_path / "force.csv").write_text(f"{head}\n20,0,1\n30,1,2\n")
+    found = read_columns(tmp_path / "force.csv")
+    assert found.time is not None
+    assert (sorted(found.values), found.time.tolist()) == (signals, time)
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        (np.array([1, 2 + 3j]), "F is (2+3j) in row 2, which is complex"),
+        (np.array([0, 2**53 + 1], np.int64), "F is 9007199254740993 in row 2"),
+        (np.array([0, 2**64 - 1], np.uint64), "more digits than a double"),
+    ],
+)
+def test_a_cell_of_mat_that_would_lose_a_part_is_refused(
+    tmp_path: Path, cells: np.ndarray, said: str
+) -> None:
+    savemat(tmp_path / "force.mat", {"t": [0.0, 1.0], "F": cells})
+    with pytest.raises(ScenarioError) as refused:
+        read_columns(tmp_path / "force.mat")
+    assert said in str(refused.value)
+
+
+def test_whole_and_complex_cells_that_lose_nothing_are_read(tmp_path: Path) -> None:
+    cells = {"F": np.array([0, -(2**62)]), "G": np.array([1 + 0j, 2])}
+    savemat(tmp_path / "force.mat", {"t": [0.0, 1.0], **cells})
+    found = read_columns(tmp_path / "force.mat").values
+    assert found["F"].tolist() == [0, -(2.0**62)]
+    assert found["G"].tolist() == [1, 2]
