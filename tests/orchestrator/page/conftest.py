@@ -25,9 +25,25 @@ def site(
 
 
 @pytest.fixture(scope="session")
-def browser(site: SimpleNamespace, driver: Any) -> Iterator[Page]:
+def browser(site: SimpleNamespace, driver: Any) -> Page:
     """The page in headless Chromium."""
     page = Page(driver, f"http://{site.host}/")
+    page.complaints()  # of pages that others have shown before
     driver.get(site.address)
-    yield page
+    return page
+
+
+@pytest.fixture(autouse=True)
+def quiet(request: pytest.FixtureRequest) -> Iterator[None]:
+    """The browser complains of nothing in a test that shows the page.
+
+    What it says of pages that others have shown in between is theirs.
+    """
+    if "browser" not in request.fixturenames:
+        yield
+        return
+    page = request.getfixturevalue("browser")
+    if not page.driver.current_url.startswith(page.home):
+        page.complaints()
+    yield
     assert page.complaints() == []
