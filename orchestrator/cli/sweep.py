@@ -155,13 +155,14 @@ def _sweep(
                 making=cluster,
             )
         spec = composition.scenario.spec
+        words = _words(found, expects=bool(spec.expected_of_run))
         write_swept(
             name,
             found.keys,
             found.rows,
             found.units,
             spec.expected_of_run,
-            _words(found),
+            words,
             place.path / "report.html",
         )
         told = {
@@ -181,7 +182,7 @@ def _sweep(
     if json:
         print_json(told)
     else:
-        _print(found, scenario, sets)
+        _print(found, words, scenario, sets)
         echo(f"figures: {place.path / FIGURES}\nreport: {place.path}/report.html")
     if found.failed:
         total = len(found.rows)
@@ -208,7 +209,7 @@ def _last(name: str) -> Path:
     return earlier[-1]
 
 
-def _words(found: "Sweep") -> list[str]:
+def _words(found: "Sweep", *, expects: bool) -> list[str]:
     words = [
         f"{len(found.rows)} members in {found.wall_s:.3g} s "
         f"({', '.join(found.executors) or 'all done before'})"
@@ -221,11 +222,13 @@ def _words(found: "Sweep") -> list[str]:
         )
     for figure, count in found.broken().items():
         words.append(f"{figure}: not met by {count} of {len(found.rows)}")
-    words.append(f"yield {100 * found.met:.4g} %")
-    return words
+    held = f"yield {100 * found.met:.4g} %" if expects else "no yield without [expect]"
+    return [*words, held]
 
 
-def _print(found: "Sweep", scenario: str, given: Sequence[str]) -> None:
+def _print(
+    found: "Sweep", words: Sequence[str], scenario: str, given: Sequence[str]
+) -> None:
     names = [*found.keys, *found.units]
     head = ["member", *(f">{n}" for n in found.keys)]
     head += [f">{n} ({u})" for n, u in found.units.items()]
@@ -236,7 +239,7 @@ def _print(found: "Sweep", scenario: str, given: Sequence[str]) -> None:
     print_table(head, rows, found.scenario)
     if len(found.rows) > SHOWN:
         echo(f"... and {len(found.rows) - SHOWN} more members")
-    for line in _words(found):
+    for line in words:
         echo(line)
     worst = next((r for r in found.rows if r["broken"] or r["failure"]), None)
     if worst is not None:

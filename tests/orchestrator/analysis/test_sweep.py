@@ -216,6 +216,18 @@ def test_the_command_for_a_member_in_full_runs_that_member(
     assert json.loads(alone.stdout)["stop"] == 0.05
 
 
+def test_a_sweep_that_expects_nothing_has_no_yield(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All members met what nobody had asked for: 100 %."""
+    monkeypatch.chdir(tmp_path)
+    published = "ball_screw_pole_placement/mc_ppc_track_500"
+    given = [published, "--vary", "plant.m_2=4e-4", "--set", "stop=0.05"]
+    done = CliRunner().invoke(app, ["sweep", *given])
+    assert "no yield without [expect]" in done.stdout
+    assert "yield 100" not in done.stdout
+
+
 def test_what_a_connection_drives_is_not_varied_in_vain() -> None:
     with pytest.raises(ScenarioError, match=r"--vary plant\.u: controller\.u drives"):
         sweep(DRIVE, [Axis("plant.u", ("0", "5"))], sets=SHORT)
