@@ -27,12 +27,11 @@ from orchestrator.errors import (
     ProcessEnded,
     ScenarioError,
     SimulationError,
-    WiringError,
 )
 from orchestrator.evaluation.divergence import divergence
 from orchestrator.evaluation.expectation import Check, check
 from orchestrator.evaluation.metrics import evaluate
-from orchestrator.fmu.ports import ports
+from orchestrator.fmu import laid
 from orchestrator.master.fused.lanes import Lanes
 from orchestrator.master.groups import only_python
 from orchestrator.master.loaded import Loaded
@@ -248,15 +247,11 @@ def _number(composition: Composition, key: str, setting: Setting) -> float | Non
 def numbers(composition: Composition, full: str) -> set[str]:
     """Return the numbers of FMUs that a name stands for; none if it is another text."""
     owner, name = split_name(full)
-    if owner not in composition.system.components:
+    part = composition.system.components.get(owner)
+    if part is None:
         return set()
-    try:
-        found = ports(
-            composition.system.components[owner], composition.fmus[owner], name
-        )
-    except WiringError:
-        return set()
-    return {f"{owner}.{port.variable.name}[{port.element}]" for port in found}
+    found = laid.numbers(part, composition.fmus[owner], name)
+    return {f"{owner}.{variable}[{element}]" for variable, element in found}
 
 
 def refuse_driven(composition: Composition, option: str, keys: Iterable[str]) -> None:

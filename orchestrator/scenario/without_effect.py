@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from orchestrator.errors import WiringError
 from orchestrator.fmu.description import FmuDescription
-from orchestrator.fmu.ports import ports
+from orchestrator.fmu.laid import numbers
 from orchestrator.system import Component, System, split_name
 
 
@@ -18,10 +17,10 @@ def without_effect(system: System, fmus: Mapping[str, FmuDescription]) -> Iterat
         driven = {
             input_: source
             for sink, source in system.connections.items()
-            for input_ in _variables(component, fmus[name], sink)
+            for input_ in _numbers(component, fmus[name], sink)
         }
         for variable in (*component.parameters, *component.start):
-            for input_ in _variables(component, fmus[name], f"{name}.{variable}"):
+            for input_ in _numbers(component, fmus[name], f"{name}.{variable}"):
                 if input_ in driven:
                     yield (
                         f"{name}.{variable} is set, but {driven[input_]} drives it: "
@@ -39,13 +38,9 @@ def without_effect(system: System, fmus: Mapping[str, FmuDescription]) -> Iterat
             )
 
 
-def _variables(component: Component, fmu: FmuDescription, full: str) -> list[str]:
+def _numbers(
+    component: Component, fmu: FmuDescription, full: str
+) -> list[tuple[str, int]]:
     """Return the numbers of a component that a name stands for; none of others."""
     owner, name = split_name(full)
-    if owner != component.name:
-        return []
-    try:
-        found = ports(component, fmu, name)
-    except WiringError:  # refused when the system is wired
-        return []
-    return [f"{port.variable.name}[{port.element}]" for port in found]
+    return sorted(numbers(component, fmu, name)) if owner == component.name else []
