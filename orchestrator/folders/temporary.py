@@ -1,19 +1,19 @@
 """Temporary folders that do not outlive their run, even when it is killed.
 
-Each holds a file that its owner keeps locked; the system drops the lock however
-the owner ends.  ``sweep``, called before a new folder is made, deletes folders
-whose lock is free.
+Each is held by its owner (``orchestrator.folders.held``).  ``sweep``, called before
+a new folder is made, deletes those that nobody holds, and holds them meanwhile: who
+had just made one, and not yet taken it, makes another.
 """
 
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from time import sleep, time
 
-from orchestrator.folders.held import LOCK, held, is_held
+from orchestrator.folders.held import LOCK, FolderHeld, held
 
 PREFIX = "feeddrive-run-"
 YOUNG = 600.0  # s; a folder without its lock file may just be in the making
@@ -23,20 +23,30 @@ YOUNG = 600.0  # s; a folder without its lock file may just be in the making
 def temporary_folder() -> Iterator[Path]:
     """Give a new folder; delete it afterwards."""
     _sweep_once()
-    folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-    try:
-        with held(folder):
+    with ExitStack() as stack:
+        folder = _taken(stack)
+        try:
             yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        finally:
+            stack.close()
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _taken(stack: ExitStack) -> Path:
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX))
+        try:
+            stack.enter_context(held(folder))
+        except FolderHeld:  # somebody took it for one that was left
+            continue
+        return folder
 
 
 def sweep() -> None:
     """Delete the folders of runs that are dead."""
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
         with suppress(OSError):
-            if _is_dead(folder):
-                shutil.rmtree(folder, ignore_errors=True)
+            _delete_if_left(folder)
 
 
 def sweep_when_free(folder: Path) -> None:
@@ -53,9 +63,14 @@ def _sweep_once() -> None:
     sweep()
 
 
-def _is_dead(folder: Path) -> bool:
+def _delete_if_left(folder: Path) -> None:
     if not folder.is_dir() or folder.is_symlink():
-        return False
+        return
     if not (folder / LOCK).exists():
-        return time() - folder.stat().st_mtime > YOUNG
-    return not is_held(folder)
+        if time() - folder.stat().st_mtime > YOUNG:
+            shutil.rmtree(folder, ignore_errors=True)
+        return
+    with held(folder, patience=0):
+        shutil.rmtree(folder, ignore_errors=True)
+    (folder / LOCK).unlink()  # Windows deletes no file that is open
+    folder.rmdir()

@@ -40,6 +40,7 @@ BEGUN = "begun.json"
 ENDED = "ended.json"
 METRICS = "metrics.json"
 ORIGIN = "origin"
+TRIES = 1000
 Kind: TypeAlias = Literal["run", "demo", "reproduce", "sweep", "response", "tune"]
 _FILES = (
     *(FORMAT_FILE, BEGUN, ENDED, METRICS),
@@ -172,19 +173,18 @@ def _forget(place: RunFolder) -> None:
 
 
 def _next_number(parent: Path, stack: ExitStack) -> RunFolder:
-    parent.mkdir(parents=True, exist_ok=True)
-    number = max(
-        (int(p.name) for p in parent.iterdir() if p.name.isdecimal()), default=0
-    )
-    while True:
-        number += 1
-        folder = parent / str(number)
-        try:
-            folder.mkdir()
-        except FileExistsError:  # another run was quicker
-            continue
-        stack.enter_context(held(folder))
-        return RunFolder(folder, number)
+    number = 0
+    for _ in range(TRIES):
+        parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):  # a run that was refused deleted the parent
+            there = (int(p.name) for p in parent.iterdir() if p.name.isdecimal())
+            number = max(number, 0, *there) + 1
+            folder = parent / str(number)
+            with suppress(FileExistsError):  # another run was quicker
+                folder.mkdir()
+                stack.enter_context(held(folder))
+                return RunFolder(folder, number)
+    raise ScenarioError(f"{parent}: other runs begin and end there; give a folder, -o")
 
 
 def _named(folder: Path, overwrite: bool, stack: ExitStack) -> Path:
